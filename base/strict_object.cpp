@@ -1,0 +1,377 @@
+#include "base/strict_object.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+namespace turnlight {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMaxDepth = 32;
+
+std::string Show(const json& value) {
+  std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  if (text.size() > 80) text = text.substr(0, 77) + "...";
+  return text;
+}
+
+std::string ShowNumber(double value) {
+  std::ostringstream out;
+  out.precision(9);
+  out << value;
+  return out.str();
+}
+
+std::string ShowRange(Range range) {
+  std::string text = "a finite number";
+  if (std::isfinite(range.above)) text += " above " + ShowNumber(range.above);
+  if (std::isfinite(range.min)) text += " of at least " + ShowNumber(range.min);
+  if (std::isfinite(range.max)) text += " of at most " + ShowNumber(range.max);
+  return text;
+}
+
+bool InRange(double value, Range range) {
+  return std::isfinite(value) && value >= range.min && value <= range.max && value > range.above;
+}
+
+std::string Join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string PlainPointer(const std::string& pointer) {
+  return pointer.empty() ? pointer : pointer.substr(1);
+}
+
+// The JSON parser keeps the last of two equal keys silently; this one refuses them.
+class DuplicateKeys {
+ public:
+  bool operator()(int depth, json::parse_event_t event, const json& parsed) {
+    if (depth > kMaxDepth && problem_.empty())
+      problem_ = "nested more than " + std::to_string(kMaxDepth) + " levels deep";
+    if (event == json::parse_event_t::object_start) keys_.emplace_back();
+    if (event == json::parse_event_t::object_end) keys_.pop_back();
+    if (event == json::parse_event_t::key && !keys_.back().insert(parsed.get<std::string>()).second &&
+        problem_.empty())
+      problem_ = "the key " + Show(parsed) + " appears twice in one object";
+    return true;
+  }
+  const std::string& problem() const { return problem_; }
+
+ private:
+  std::vector<std::set<std::string>> keys_;
+  std::string problem_;
+};
+
+// nlohmann's parser recurses per level when a value is destroyed; a cheap scan bounds it beforehand.
+bool NestedTooDeep(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kMaxDepth) return true;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return false;
+}
+
+json ScalarToJson(const YAML::Node& node) {
+  const std::string& text = node.Scalar();
+  if (node.Tag() == "!") return text;  // quoted
+  if (text == "null" || text == "~" || text.empty()) return nullptr;
+  if (text == "true") return true;
+  if (text == "false") return false;
+  std::int64_t integer = 0;
+  double number = 0.0;
+  if (YAML::convert<std::int64_t>::decode(node, integer)) return integer;
+  if (YAML::convert<double>::decode(node, number)) return number;
+  return text;
+}
+
+Result<json> NodeToJson(const YAML::Node& node, const std::string& pointer, int depth,
+                        Document& document) {
+  document.lines[pointer] = node.Mark().line + 1;
+  const std::string here = document.file + ":" + std::to_string(node.Mark().line + 1) + ": ";
+  if (depth > kMaxDepth)
+    return InputError(here + "nested more than " + std::to_string(kMaxDepth) + " levels deep");
+  if (node.IsScalar()) return ScalarToJson(node);
+  if (node.IsSequence()) {
+    json list = json::array();
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      auto value = NodeToJson(node[i], pointer + "/" + std::to_string(i), depth + 1, document);
+      if (!value) return value;
+      list.push_back(std::move(*value));
+    }
+    return list;
+  }
+  if (node.IsMap()) {
+    json object = json::object();
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) return InputError(here + "a key must be a word");
+      const std::string key = entry.first.Scalar();
+      if (object.contains(key))
+        return InputError(here + "the key \"" + key + "\" appears twice in one object");
+      auto value = NodeToJson(entry.second, pointer + "/" + key, depth + 1, document);
+      if (!value) return value;
+      object[key] = std::move(*value);
+    }
+    return object;
+  }
+  return json(nullptr);
+}
+
+}  // namespace
+
+Result<Document> ParseJson(std::string_view text, std::string file) {
+  if (NestedTooDeep(text))
+    return InputError(file + ": nested more than " + std::to_string(kMaxDepth) + " levels deep");
+  DuplicateKeys duplicates;
+  Document document{std::move(file), {}, {}};
+  try {
+    document.root = json::parse(text.begin(), text.end(), std::ref(duplicates));
+  } catch (const json::exception& error) {
+    return InputError(document.file + ": not valid JSON: " + error.what());
+  }
+  if (!duplicates.problem().empty()) return InputError(document.file + ": " + duplicates.problem());
+  return document;
+}
+
+Result<Document> ParseYaml(const std::string& text, std::string file) {
+  Document document{std::move(file), {}, {}};
+  try {
+    auto root = NodeToJson(YAML::Load(text), "", 0, document);
+    if (!root) return Forward(root);
+    document.root = std::move(*root);
+  } catch (const YAML::Exception& error) {
+    return InputError(document.file + ":" + std::to_string(error.mark.line + 1) +
+                      ": not valid YAML: " + error.msg);
+  }
+  return document;
+}
+
+StrictObject::StrictObject(const Document& document)
+    : StrictObject(document, document.root, std::string()) {}
+
+StrictObject::StrictObject(const Document& document, const json& value, std::string pointer)
+    : document_(&document), value_(&value), pointer_(std::move(pointer)) {
+  if (!value.is_object())
+    error_ = Error{ErrorKind::kInput,
+                   Where("") + ": " + Show(value) + ", allowed is an object of keys and values"};
+}
+
+std::string StrictObject::Where(std::string_view key) const {
+  const std::string pointer = key.empty() ? pointer_ : pointer_ + "/" + std::string(key);
+  std::string text = document_->file;
+  for (std::string at = pointer; !document_->lines.empty(); at = at.substr(0, at.rfind('/'))) {
+    const auto line = document_->lines.find(at);
+    if (line != document_->lines.end()) {
+      text += ":" + std::to_string(line->second);
+      break;
+    }
+    if (at.empty()) break;
+  }
+  return pointer.empty() ? text : text + ": " + PlainPointer(pointer);
+}
+
+void StrictObject::RefuseText(std::string_view key, std::string_view text) {
+  if (!error_) error_ = Error{ErrorKind::kInput, Where(key) + ": " + std::string(text)};
+}
+
+void StrictObject::Refuse(std::string_view key, std::string_view allowed) {
+  const json* value = value_->is_object() && value_->contains(key) ? &value_->at(std::string(key))
+                                                                   : nullptr;
+  RefuseText(key, (value ? Show(*value) : "missing") + ", allowed is " + std::string(allowed));
+}
+
+const json* StrictObject::Find(std::string_view key, bool required) {
+  known_.emplace(key);
+  if (!value_->is_object()) return nullptr;
+  const auto found = value_->find(std::string(key));
+  if (found != value_->end()) return &*found;
+  if (required) RefuseText(key, "this key is missing");
+  return nullptr;
+}
+
+bool StrictObject::Has(std::string_view key) {
+  return value_->is_object() && value_->contains(std::string(key));
+}
+
+std::optional<double> StrictObject::ReadNumber(std::string_view key, const json& value,
+                                               Range range) {
+  if (value.is_number() && InRange(value.get<double>(), range)) return value.get<double>();
+  Refuse(key, ShowRange(range));
+  return std::nullopt;
+}
+
+std::optional<double> StrictObject::OptionalNumber(std::string_view key, Range range) {
+  const json* value = Find(key, false);
+  return value ? ReadNumber(key, *value, range) : std::nullopt;
+}
+
+double StrictObject::Number(std::string_view key, Range range) {
+  const json* value = Find(key, true);
+  return value ? ReadNumber(key, *value, range).value_or(0.0) : 0.0;
+}
+
+std::optional<std::int64_t> StrictObject::OptionalInteger(std::string_view key, std::int64_t min,
+                                                          std::int64_t max) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  const bool fits = value->is_number_unsigned()
+                        ? value->get<std::uint64_t>() <= static_cast<std::uint64_t>(INT64_MAX)
+                        : value->is_number_integer();
+  if (fits && value->get<std::int64_t>() >= min && value->get<std::int64_t>() <= max)
+    return value->get<std::int64_t>();
+  Refuse(key, "a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+  return std::nullopt;
+}
+
+std::int64_t StrictObject::Integer(std::string_view key, std::int64_t min, std::int64_t max) {
+  if (!Find(key, true)) return min;
+  return OptionalInteger(key, min, max).value_or(min);
+}
+
+std::optional<bool> StrictObject::OptionalBoolean(std::string_view key) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  if (value->is_boolean()) return value->get<bool>();
+  Refuse(key, "true or false");
+  return std::nullopt;
+}
+
+bool StrictObject::Boolean(std::string_view key) {
+  if (!Find(key, true)) return false;
+  return OptionalBoolean(key).value_or(false);
+}
+
+std::optional<std::string> StrictObject::OptionalString(std::string_view key) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  if (value->is_string()) return value->get<std::string>();
+  Refuse(key, "a text");
+  return std::nullopt;
+}
+
+std::string StrictObject::String(std::string_view key) {
+  if (!Find(key, true)) return {};
+  return OptionalString(key).value_or(std::string());
+}
+
+std::optional<std::string> StrictObject::OptionalChoice(std::string_view key,
+                                                        const std::vector<std::string>& allowed) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  for (const std::string& word : allowed)
+    if (value->is_string() && value->get<std::string>() == word) return word;
+  Refuse(key, "one of " + Join(allowed));
+  return std::nullopt;
+}
+
+std::string StrictObject::Choice(std::string_view key, const std::vector<std::string>& allowed) {
+  if (!Find(key, true)) return allowed.front();
+  return OptionalChoice(key, allowed).value_or(allowed.front());
+}
+
+std::optional<std::vector<double>> StrictObject::OptionalNumbers(std::string_view key,
+                                                                 std::size_t count, Range range) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  bool fits = value->is_array() && value->size() == count;
+  std::vector<double> numbers;
+  for (std::size_t i = 0; fits && i < count; ++i) {
+    const json& element = (*value)[i];
+    fits = element.is_number() && InRange(element.get<double>(), range);
+    if (fits) numbers.push_back(element.get<double>());
+  }
+  if (fits) return numbers;
+  Refuse(key, "a list of " + std::to_string(count) + ", each " + ShowRange(range));
+  return std::nullopt;
+}
+
+std::vector<double> StrictObject::Numbers(std::string_view key, std::size_t count, Range range) {
+  std::vector<double> zeros(count, 0.0);
+  if (!Find(key, true)) return zeros;
+  return OptionalNumbers(key, count, range).value_or(zeros);
+}
+
+std::vector<double> StrictObject::Matrix(std::string_view key, std::size_t rows,
+                                         std::size_t columns) {
+  std::vector<double> numbers;
+  const json* value = Find(key, true);
+  bool fits = value && value->is_array() && value->size() == rows;
+  for (std::size_t r = 0; fits && r < rows; ++r) {
+    fits = (*value)[r].is_array() && (*value)[r].size() == columns;
+    for (std::size_t c = 0; fits && c < columns; ++c) {
+      const json& element = (*value)[r][c];
+      fits = element.is_number() && std::isfinite(element.get<double>());
+      if (fits) numbers.push_back(element.get<double>());
+    }
+  }
+  if (fits) return numbers;
+  if (value)
+    Refuse(key, std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers");
+  return std::vector<double>(rows * columns, 0.0);
+}
+
+std::optional<StrictObject> StrictObject::OptionalObject(std::string_view key) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  return StrictObject(*document_, *value, pointer_ + "/" + std::string(key));
+}
+
+StrictObject StrictObject::Object(std::string_view key) {
+  static const json kEmpty = json::object();
+  const json* value = Find(key, true);
+  return StrictObject(*document_, value ? *value : kEmpty, pointer_ + "/" + std::string(key));
+}
+
+std::vector<StrictObject> StrictObject::Objects(std::string_view key, std::size_t min_count) {
+  std::vector<StrictObject> objects;
+  const json* value = Find(key, true);
+  if (!value) return objects;
+  if (!value->is_array() || value->size() < min_count) {
+    Refuse(key, "a list of at least " + std::to_string(min_count) + " objects");
+    return objects;
+  }
+  for (std::size_t i = 0; i < value->size(); ++i)
+    objects.emplace_back(*document_, (*value)[i],
+                         pointer_ + "/" + std::string(key) + "/" + std::to_string(i));
+  return objects;
+}
+
+const json& StrictObject::Raw(std::string_view key) {
+  static const json kNull;
+  const json* value = Find(key, false);
+  return value ? *value : kNull;
+}
+
+void StrictObject::AllowPrefix(std::string prefix) { prefixes_.push_back(std::move(prefix)); }
+
+void StrictObject::Ignore(std::string_view key) { known_.emplace(key); }
+
+Status StrictObject::Finish() {
+  if (error_) return tl::unexpected<Error>(*error_);
+  for (const auto& entry : value_->items()) {
+    bool allowed = known_.contains(entry.key());
+    for (const std::string& prefix : prefixes_) allowed |= entry.key().starts_with(prefix);
+    if (!allowed)
+      return InputError(Where(entry.key()) + ": unknown key, allowed are " +
+                        Join({known_.begin(), known_.end()}));
+  }
+  return {};
+}
+
+}  // namespace turnlight

@@ -1,0 +1,32 @@
+# Every library the project uses, found in one place.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Ceres 2.1 REQUIRED)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d)
+find_package(TBB REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(assimp REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(TIFF REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(tl-expected REQUIRED)
+
+# mrcal ships neither a .pc nor a CMake file.
+find_path(MRCAL_INCLUDE_DIR mrcal/mrcal.h REQUIRED)
+find_library(MRCAL_LIBRARY mrcal REQUIRED)
+add_library(mrcal::mrcal UNKNOWN IMPORTED)
+set_target_properties(mrcal::mrcal PROPERTIES
+  IMPORTED_LOCATION ${MRCAL_LIBRARY}
+  INTERFACE_INCLUDE_DIRECTORIES ${MRCAL_INCLUDE_DIR})
+
+# These two come as plain variables; as targets their headers are "system" and their warnings not ours.
+add_library(turnlight_opencv INTERFACE)
+target_include_directories(turnlight_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
+target_link_libraries(turnlight_opencv INTERFACE ${OpenCV_LIBS})
+add_library(turnlight_yaml INTERFACE)
+target_include_directories(turnlight_yaml SYSTEM INTERFACE ${YAML_CPP_INCLUDE_DIR})
+target_link_libraries(turnlight_yaml INTERFACE ${YAML_CPP_LIBRARIES})

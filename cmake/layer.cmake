@@ -1,0 +1,22 @@
+# turnlight_flags(TARGET): the house's warnings and floating-point rules, and the chosen sanitizers.
+function(turnlight_flags target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Werror
+    # The same bits on every machine: no contraction to fused multiply-add behind our back.
+    -ffp-contract=off)
+  if(TURNLIGHT_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${TURNLIGHT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PRIVATE -fsanitize=${TURNLIGHT_SANITIZE})
+  endif()
+endfunction()
+
+# turnlight_layer(NAME SOURCES ... USES ...): one folder's library. A function used from a layer that
+# is not in USES fails at the link; scripts/check-layers refuses the include already.
+function(turnlight_layer name)
+  cmake_parse_arguments(LAYER "" "" "SOURCES;USES" ${ARGN})
+  add_library(${name} STATIC ${LAYER_SOURCES})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PUBLIC ${LAYER_USES})
+  turnlight_flags(${name})
+endfunction()

@@ -1,0 +1,122 @@
+// From keyframes to lights and reflectance with error bars: the estimator's front door.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "base/result.h"
+#include "calib/camera_model.h"
+#include "calib/pose.h"
+#include "calib/radiometry.h"
+#include "estimator/geometry.h"
+#include "estimator/scene.h"
+
+namespace turnlight::estimator {
+
+// One keyframe as the estimator takes it.
+struct Keyframe {
+  calib::LinearImage image;  // linear radiance, 1 or 3 channels, and the clipped pixels
+  cv::Mat1b mask;            // non-zero = target
+  calib::Pose X_WC;
+  calib::Pose X_WT;
+};
+
+// A start given by the user: directions are required, everything else is estimated where absent.
+struct InitialGuess {
+  std::vector<Light> lights;            // an inverse distance of 0 means "not given"
+  bool has_intensities = false;
+  std::optional<Reflectance> reflectance;
+};
+
+struct EstimateOptions {
+  std::optional<InitialGuess> initial;
+  int max_iterations = 100;  // of each full solve
+};
+
+struct LightEstimate {
+  Light light;                           // about W's origin
+  bool near = false;                     // the data call for a finite distance
+  double direction_sigma = 0.0;          // radians, larger axis of the tangent ellipse
+  double inverse_distance_sigma = 0.0;
+  std::optional<double> distance;        // given only for a near light
+  std::optional<double> distance_sigma;
+  std::optional<double> distance_min;    // 95 % bound; absent when the data give none
+  std::optional<Eigen::Vector3d> position;
+  std::optional<Eigen::Matrix3d> position_covariance;
+  Eigen::Vector3d direction_at_reference = Eigen::Vector3d::UnitZ();
+  std::optional<double> intensity_sigma;  // absent for the strongest light, which is the gauge
+  // Products do not depend on the gauge: O k_d I_l (R, G, B) and k_s I_l.
+  Eigen::Vector3d diffuse_product = Eigen::Vector3d::Zero();
+  Eigen::Vector3d diffuse_product_sigma = Eigen::Vector3d::Zero();
+  double specular_product = 0.0;
+  double specular_product_sigma = 0.0;
+};
+
+struct ReflectanceSigma {
+  Eigen::Vector3d albedo = Eigen::Vector3d::Zero();
+  double ambient = 0.0, diffuse = 0.0, specular = 0.0;
+  std::optional<double> shininess, roughness;
+};
+
+struct Rung {  // one decision about the model, in the order they were taken
+  std::string rung;
+  bool accepted = false;
+  std::string why;
+};
+struct Note {
+  std::string code;  // stable, such as "views-add-nothing"
+  std::string text;
+};
+struct IterationRecord {
+  int iteration = 0;
+  double rms = 0.0;
+};
+
+struct Estimate {
+  std::vector<LightEstimate> lights;     // strongest first; the strongest has intensity 1
+  Reflectance reflectance;               // max(albedo) = 1; specular_model kNone if none was found
+  ReflectanceSigma sigma;
+  Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
+  Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
+  Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();  // in W: centroid of what was observed
+  int channels = 3;                      // 1: grey pictures, the three channels repeat one value
+  double initial_rms = 0.0;
+  double rms = 0.0;                      // over observed pixels and channels
+  std::size_t pixels = 0;
+  double condition = 0.0;                // of the column-scaled normal equations
+  std::vector<std::string> weak;
+  std::vector<Rung> ladder;
+  std::vector<Note> notes;
+  int views = 0;
+  int distinct_views = 0;
+  int iterations = 0;
+  std::string stopped;                   // "converged", "iteration-limit"
+  std::vector<IterationRecord> history;
+  double initial_s = 0.0, solve_s = 0.0;  // seconds, for people
+
+  Scene ToScene() const;
+};
+
+// The intensity map that the start was read from, for pictures: azimuth (columns, 0..360 degrees) by
+// zenith (rows, 0..180 degrees about W's +z), grey; NaN where nothing was seen.
+struct IntensityMap {
+  cv::Mat1f intensity;
+};
+
+struct EstimateOutput {
+  Estimate estimate;
+  IntensityMap map;
+  std::vector<cv::Mat1f> residuals;  // per keyframe: grey observed minus model; NaN where unobserved
+};
+
+// Fails with kNoEstimate, in words that say what to do, when nothing usable was observed: everything
+// clipped, everything dark, nothing of the target in view.
+Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
+                                     const Geometry& geometry, const calib::RayGrid& rays,
+                                     const EstimateOptions& options);
+
+}  // namespace turnlight::estimator
