@@ -2,6 +2,8 @@
 function(turnlight_flags target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Werror
+    # g++ 12 sees overlapping copies in operator+(const char*, std::string&&): GCC bug 105651.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     # The same bits on every machine: no contraction to fused multiply-add behind our back.
     -ffp-contract=off)
   if(TURNLIGHT_SANITIZE)
