@@ -1,12 +1,11 @@
 // From keyframes to lights and reflectance with error bars: the estimator's front door.
 #pragma once
 
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
-#include <opencv2/core.hpp>
 
 #include "base/result.h"
 #include "calib/camera_model.h"
@@ -27,7 +26,7 @@ struct Keyframe {
 
 // A start given by the user: directions are required, everything else is estimated where absent.
 struct InitialGuess {
-  std::vector<Light> lights;            // an inverse distance of 0 means "not given"
+  std::vector<Light> lights;  // an inverse distance of 0 means "not given"
   bool has_intensities = false;
   std::optional<Reflectance> reflectance;
 };
@@ -38,13 +37,13 @@ struct EstimateOptions {
 };
 
 struct LightEstimate {
-  Light light;                           // about W's origin
-  bool near = false;                     // the data call for a finite distance
-  double direction_sigma = 0.0;          // radians, larger axis of the tangent ellipse
+  Light light;                   // about W's origin
+  bool near = false;             // the data call for a finite distance
+  double direction_sigma = 0.0;  // radians, larger axis of the tangent ellipse
   double inverse_distance_sigma = 0.0;
-  std::optional<double> distance;        // given only for a near light
+  std::optional<double> distance;  // given only for a near light
   std::optional<double> distance_sigma;
-  std::optional<double> distance_min;    // 95 % bound; absent when the data give none
+  std::optional<double> distance_min;  // 95 % bound; absent when the data give none
   std::optional<Eigen::Vector3d> position;
   std::optional<Eigen::Matrix3d> position_covariance;
   Eigen::Vector3d direction_at_reference = Eigen::Vector3d::UnitZ();
@@ -77,32 +76,32 @@ struct IterationRecord {
 };
 
 struct Estimate {
-  std::vector<LightEstimate> lights;     // strongest first; the strongest has intensity 1
-  Reflectance reflectance;               // max(albedo) = 1; specular_model kNone if none was found
+  std::vector<LightEstimate> lights;  // strongest first; the strongest has intensity 1
+  Reflectance reflectance;            // max(albedo) = 1; specular_model kNone if none was found
   ReflectanceSigma sigma;
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
   Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();  // in W: centroid of what was observed
-  int channels = 3;                      // 1: grey pictures, the three channels repeat one value
+  int channels = 3;  // 1: grey pictures, the three channels repeat one value
   double initial_rms = 0.0;
-  double rms = 0.0;                      // over observed pixels and channels
+  double rms = 0.0;  // over observed pixels and channels
   std::size_t pixels = 0;
-  double condition = 0.0;                // of the column-scaled normal equations
+  double condition = 0.0;  // of the column-scaled normal equations
   std::vector<std::string> weak;
   std::vector<Rung> ladder;
   std::vector<Note> notes;
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;
-  std::string stopped;                   // "converged", "iteration-limit"
+  std::string stopped;  // "converged", "iteration-limit"
   std::vector<IterationRecord> history;
   double initial_s = 0.0, solve_s = 0.0;  // seconds, for people
 
   Scene ToScene() const;
 };
 
-// The intensity map that the start was read from, for pictures: azimuth (columns, 0..360 degrees) by
-// zenith (rows, 0..180 degrees about W's +z), grey; NaN where nothing was seen.
+// The intensity map that the start was read from, for pictures: azimuth (columns, 0..360 degrees)
+// by zenith (rows, 0..180 degrees about W's +z), grey; NaN where nothing was seen.
 struct IntensityMap {
   cv::Mat1f intensity;
 };
@@ -110,11 +109,12 @@ struct IntensityMap {
 struct EstimateOutput {
   Estimate estimate;
   IntensityMap map;
-  std::vector<cv::Mat1f> residuals;  // per keyframe: grey observed minus model; NaN where unobserved
+  std::vector<cv::Mat1f>
+      residuals;  // per keyframe: grey observed minus model; NaN where unobserved
 };
 
-// Fails with kNoEstimate, in words that say what to do, when nothing usable was observed: everything
-// clipped, everything dark, nothing of the target in view.
+// Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
+// everything clipped, everything dark, nothing of the target in view.
 Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
                                      const Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options);

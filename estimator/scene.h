@@ -7,9 +7,10 @@
 // x is relative to W's origin, in the session's length unit.
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace turnlight::estimator {
 
@@ -45,8 +46,8 @@ struct Scene {
   Reflectance reflectance;
 };
 
-// f_d of the diffuse model for unit vectors: Lambert n.l, or the qualitative model of Oren and Nayar,
-// "Generalization of Lambert's Reflectance Model" (SIGGRAPH 1994), its factor 1/pi left out.
+// f_d of the diffuse model for unit vectors: Lambert n.l, or the qualitative model of Oren and
+// Nayar, "Generalization of Lambert's Reflectance Model" (SIGGRAPH 1994), its factor 1/pi left out.
 double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
                    const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);
 // f_s of the specular model: Phong (r.v)^n, r mirroring l about the normal; Blinn-Phong (n.h)^n;
@@ -54,10 +55,15 @@ double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal
 double SpecularTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
                     const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);
 
+// At most this many lights in a scene: one bit each says which of them a point sees.
+inline constexpr std::size_t kMaxLights = 64;
+using LightMask = std::uint64_t;
+inline constexpr LightMask kAllLights = ~LightMask{0};
+
 // Radiance (R, G, B) of a point seen along to_viewer (unit, away from the surface); 0 where the
-// viewer is below the surface. visible[l] == false leaves out light l (cast shadow); an empty vector
-// means all are visible.
-Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W, const Eigen::Vector3d& normal_W,
-                      const Eigen::Vector3d& to_viewer_W, const std::vector<bool>& visible = {});
+// viewer is below the surface. Lights whose bit of `visible` is 0 are left out (cast shadow).
+Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
+                      const Eigen::Vector3d& normal_W, const Eigen::Vector3d& to_viewer_W,
+                      LightMask visible = kAllLights);
 
 }  // namespace turnlight::estimator
