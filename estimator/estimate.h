@@ -9,20 +9,11 @@
 
 #include "base/result.h"
 #include "calib/camera_model.h"
-#include "calib/pose.h"
-#include "calib/radiometry.h"
 #include "estimator/geometry.h"
+#include "estimator/keyframe.h"
 #include "estimator/scene.h"
 
 namespace turnlight::estimator {
-
-// One keyframe as the estimator takes it.
-struct Keyframe {
-  calib::LinearImage image;  // linear radiance, 1 or 3 channels, and the clipped pixels
-  cv::Mat1b mask;            // non-zero = target
-  calib::Pose X_WC;
-  calib::Pose X_WT;
-};
 
 // A start given by the user: directions are required, everything else is estimated where absent.
 struct InitialGuess {

@@ -1,0 +1,71 @@
+// What the estimator fits: one entry per usable pixel of every keyframe, as a structure of arrays.
+//
+// Coordinates are the solver's: about a reference point in W, lengths divided by the target's
+// radius R, axes those of W. In single precision: 60 bytes a pixel with colour.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "calib/camera_model.h"
+#include "estimator/geometry.h"
+#include "estimator/keyframe.h"
+
+namespace turnlight::estimator {
+
+// Why a pixel is not used; the bits of a flag picture. 0: used.
+enum PixelFlag : std::uint8_t {
+  kOffTarget = 1,   // the ray misses the target, or the mask says it is not the target
+  kSaturated = 2,   // clipped, not finite, or one of the 8 neighbours of such a pixel
+  kSilhouette = 4,  // within two pixels of the outline, or across a jump of depth or normal
+  kGrazing = 8,     // seen too flat for its footprint to be trusted
+};
+
+// bfloat16: the upper half of a float. Two to three digits are plenty for a footprint.
+using BFloat16 = std::uint16_t;
+BFloat16 ToBFloat16(float value);
+float FromBFloat16(BFloat16 value);
+
+// Pixels are stored in tiles of this many; a last tile of a keyframe is filled with weightless
+// pixels.
+inline constexpr std::size_t kTile = 256;
+
+struct Observations {
+  int channels = 3;                                     // 1 grey, 3 colour
+  Eigen::Vector3d reference = Eigen::Vector3d::Zero();  // in W: centroid of the observed surface
+  double radius = 1.0;                                  // R, session's length unit
+
+  std::array<std::vector<float>, 3> position;  // x: (p_W - reference) / R
+  std::array<std::vector<float>, 3> normal;    // unit, W axes
+  std::array<std::vector<float>, 3>
+      mirrored;  // w: the view direction mirrored about the normal, unit
+  std::array<std::vector<BFloat16>, 6>
+      footprint;                               // dw/du (3), dw/dv (3): change of w across the pixel
+  std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
+  std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
+  std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
+
+  // Keyframe k's tiles (before subsampling) are [tile_begin[k], tile_begin[k + 1]).
+  std::vector<std::size_t> tile_begin{0};
+  std::size_t used = 0;  // pixels that are not filling
+
+  static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
+  std::size_t size() const { return pixel.size(); }
+  std::size_t tiles() const { return pixel.size() / kTile; }
+};
+
+// Builds the observations of keyframes, in parallel, deterministically. flags (optional) receives
+// one picture of PixelFlag bits per keyframe. Colour pictures whose channels are the same
+// everywhere are taken as grey.
+Observations BuildObservations(const std::vector<Keyframe>& keyframes, const Geometry& geometry,
+                               const calib::RayGrid& rays, std::vector<cv::Mat1b>* flags = nullptr);
+
+// A subset of about `count` pixels, in order, in one run of tiles, for starts. A pixel is picked
+// with a probability that grows with its gradient along the row (sharp highlights are few pixels),
+// by a random number that is a function of (seed, index) only.
+Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed);
+
+}  // namespace turnlight::estimator
