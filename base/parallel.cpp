@@ -15,7 +15,9 @@ namespace {
 struct Pool {
   std::mutex mutex;
   int threads = 0;
-  std::unique_ptr<tbb::task_arena> arena;
+  std::shared_ptr<tbb::task_arena> arena;
+  // oneTBB otherwise starts no more workers than there are processors, whatever an arena asks for.
+  std::unique_ptr<tbb::global_control> limit;
 };
 
 // The arena is process-wide on purpose: a machine has one set of cores.
@@ -24,13 +26,17 @@ Pool& ThePool() {
   return pool;
 }
 
-tbb::task_arena& Arena() {
+// Shared, so that a loop that still runs keeps its arena when SetThreads replaces it.
+std::shared_ptr<tbb::task_arena> Arena() {
   Pool& pool = ThePool();
   const std::lock_guard lock(pool.mutex);
-  if (!pool.arena)
-    pool.arena = std::make_unique<tbb::task_arena>(
-        pool.threads > 0 ? pool.threads : tbb::info::default_concurrency());
-  return *pool.arena;
+  if (!pool.arena) {
+    const int threads = pool.threads > 0 ? pool.threads : tbb::info::default_concurrency();
+    pool.limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                       static_cast<std::size_t>(threads));
+    pool.arena = std::make_shared<tbb::task_arena>(threads);
+  }
+  return pool.arena;
 }
 
 }  // namespace
@@ -42,10 +48,10 @@ void SetThreads(int threads) {
   pool.arena.reset();
 }
 
-int Threads() { return Arena().max_concurrency(); }
+int Threads() { return Arena()->max_concurrency(); }
 
 void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body) {
-  Arena().execute([&] {
+  Arena()->execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);

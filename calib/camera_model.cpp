@@ -46,15 +46,23 @@ std::string SupportedLensModels() {
   return names;
 }
 
-std::string ShowNumber(double value) {
+// The fewest digits that read back the same bits.
+std::string ExactNumber(double value) {
   std::array<char, 40> text;
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::string ShowNumber(double value) {
+  std::array<char, 40> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value,
+                                     std::chars_format::general, 9)
+                           .ptr};
 }
 
 // The full name as this project writes it. mrcal's own rounds CAHVORE's linearity to two digits.
 std::string LensModelName(const mrcal_lensmodel_t& model) {
   if (model.type == MRCAL_LENSMODEL_CAHVORE)
-    return "LENSMODEL_CAHVORE_linearity=" + ShowNumber(model.LENSMODEL_CAHVORE__config.linearity);
+    return "LENSMODEL_CAHVORE_linearity=" + ExactNumber(model.LENSMODEL_CAHVORE__config.linearity);
   std::array<char, 256> name{};
   mrcal_lensmodel_name(name.data(), static_cast<int>(name.size()), &model);
   return name.data();
@@ -310,20 +318,26 @@ std::string CameraModel::ToString() const {
   std::string text = "{\n    'lensmodel':  '" + lens_model_ + "',\n";
   text += "    'extrinsics': [ 0, 0, 0, 0, 0, 0 ],\n    'intrinsics': [ ";
   for (std::size_t i = 0; i < intrinsics_.size(); ++i)
-    text += (i == 0 ? "" : ", ") + ShowNumber(intrinsics_[i]);
+    text += (i == 0 ? "" : ", ") + ExactNumber(intrinsics_[i]);
   return text + " ],\n    'imagersize': [ " + std::to_string(width_) + ", " +
          std::to_string(height_) + " ]\n}\n";
 }
 
+// Along a row each ray starts from its neighbours, which is several times faster than mrcal's
+// search and ends at the same place; where that does not get there, mrcal searches.
 RayGrid::RayGrid(const CameraModel& camera) : width_(camera.width()), height_(camera.height()) {
   const Lens lens = MakeLens(camera.lens_model(), camera.intrinsics());
   const auto columns = static_cast<std::size_t>(width_) + 2;
   rays_.resize(columns * (static_cast<std::size_t>(height_) + 2));
   ParallelFor(static_cast<std::size_t>(height_) + 2, [&](std::size_t row) {
-    std::vector<Vector2d> points(columns);
-    for (std::size_t i = 0; i < columns; ++i)
-      points[i] = {static_cast<double>(i) - 1.0, static_cast<double>(row) - 1.0};
-    UnprojectSpan(lens, points, std::span(rays_).subspan(row * columns, columns));
+    const std::span<Vector3d> rays = std::span(rays_).subspan(row * columns, columns);
+    for (std::size_t i = 0; i < columns; ++i) {
+      const Vector2d point(static_cast<double>(i) - 1.0, static_cast<double>(row) - 1.0);
+      rays[i].setConstant(kNan);
+      if (i >= 2 && rays[i - 1].allFinite() && rays[i - 2].allFinite())
+        rays[i] = Refine(lens, point, (2.0 * rays[i - 1] - rays[i - 2]).normalized());
+      if (rays[i].hasNaN()) UnprojectSpan(lens, {&point, 1}, rays.subspan(i, 1));
+    }
   });
 }
 
