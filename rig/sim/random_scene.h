@@ -1,0 +1,14 @@
+// The scene of a config: what it lists, or what its seed draws.
+#pragma once
+
+#include "base/result.h"
+#include "estimator/scene.h"
+#include "rig/sim/synthetic_config.h"
+
+namespace turnlight::rig {
+
+// The config must be valid. Fails (kInput) if the random lights cannot be placed as far apart as
+// asked.
+Result<estimator::Scene> DrawScene(const SyntheticConfig& config);
+
+}  // namespace turnlight::rig

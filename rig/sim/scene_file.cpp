@@ -1,0 +1,345 @@
+#include "rig/sim/scene_file.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/angles.h"
+#include "base/file.h"
+
+namespace turnlight::rig {
+namespace {
+
+using estimator::DiffuseModel;
+using estimator::InitialGuess;
+using estimator::Light;
+using estimator::Reflectance;
+using estimator::Scene;
+using estimator::SpecularModel;
+
+constexpr double kMaxDisagreementDeg = 0.1;
+constexpr double kMaxDistanceDisagreement = 1e-3;
+constexpr std::uint64_t kMaxFileBytes = 64 << 20;
+
+enum class Purpose { kRender, kGuess };
+
+Eigen::Vector3d ToVector(const std::vector<double>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+// A vector that is unit to the last bits stays as it is, so that files round-trip.
+Eigen::Vector3d Unit(const Eigen::Vector3d& v) {
+  const double squared = v.squaredNorm();
+  if (std::abs(squared - 1.0) <= 8.0 * std::numeric_limits<double>::epsilon()) return v;
+  return v.stableNormalized();
+}
+
+std::optional<Eigen::Vector3d> OptionalVector(StrictObject& object, const char* key) {
+  if (object.Raw(key).is_null()) return std::nullopt;
+  const auto numbers = object.OptionalNumbers(key, 3);
+  return numbers ? std::optional(ToVector(*numbers)) : std::nullopt;
+}
+
+std::optional<double> OptionalNumberOrNull(StrictObject& object, const char* key, Range range) {
+  return object.Raw(key).is_null() ? std::nullopt : object.OptionalNumber(key, range);
+}
+
+std::string Show(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+// Position and direction, and position and inverse distance, must say the same of a scene.
+void CheckPosition(StrictObject& object, const Light& light, const Eigen::Vector3d& position,
+                   bool has_inverse_distance) {
+  const double angle_deg =
+      RadToDeg(std::atan2(light.direction.cross(position).norm(), light.direction.dot(position)));
+  if (!(angle_deg <= kMaxDisagreementDeg))
+    object.RefuseText("position", "it lies " + Show(angle_deg) +
+                                      " degrees off the light's direction, allowed is at most " +
+                                      Show(kMaxDisagreementDeg));
+  if (!has_inverse_distance) return;
+  const double relative = std::abs(light.inverse_distance * position.norm() - 1.0);
+  if (!(relative <= kMaxDistanceDisagreement))
+    object.RefuseText("inverse_distance", "it disagrees with the length of position by " +
+                                              Show(100.0 * relative) +
+                                              " %, allowed is at most 0.1 %");
+}
+
+void ReadPlace(StrictObject& object, Purpose purpose, Light& light) {
+  const Eigen::Vector3d direction = ToVector(object.Numbers("direction", 3));
+  const auto position = OptionalVector(object, "position");
+  const auto inverse_distance = OptionalNumberOrNull(object, "inverse_distance", {.min = 0.0});
+  if (!object.ok()) return;
+  if (!(direction.stableNorm() > 1e-100))
+    return object.RefuseText("direction", "it has no length, allowed is any other vector");
+  if (position && !(position->stableNorm() > 1e-100))
+    return object.RefuseText("position", "it is W's origin, allowed is any other place, or null");
+  light.direction = Unit(direction);
+  light.inverse_distance = inverse_distance.value_or(position ? 1.0 / position->stableNorm() : 0.0);
+  if (purpose == Purpose::kGuess || !position) return;
+  CheckPosition(object, light, *position, inverse_distance.has_value());
+  if (!inverse_distance) light.direction = Unit(*position);
+}
+
+struct LightRead {
+  Light light;
+  bool has_intensity = false;
+};
+
+// Keys of result.json that say how well the light is known, or repeat it.
+constexpr const char* kResultLightKeys[] = {"direction_sigma_deg",
+                                            "inverse_distance_sigma",
+                                            "distance",
+                                            "distance_sigma",
+                                            "distance_min",
+                                            "position_covariance",
+                                            "direction_at_reference",
+                                            "intensity_sigma",
+                                            "stat",
+                                            "model"};
+
+Result<LightRead> ReadLight(StrictObject object, Purpose purpose, bool from_result) {
+  LightRead read;
+  if (from_result) {
+    for (const char* key : kResultLightKeys) object.Ignore(key);
+    // The position repeats direction and inverse distance, rounded; those two are exact.
+    object.Ignore("position");
+    read.light.direction = ToVector(object.Numbers("direction", 3));
+    read.light.inverse_distance = object.Number("inverse_distance", {.min = 0.0});
+    if (object.ok() && !(read.light.direction.stableNorm() > 1e-100))
+      object.RefuseText("direction", "it has no length, allowed is any other vector");
+    if (object.ok()) read.light.direction = Unit(read.light.direction);
+  } else {
+    ReadPlace(object, purpose, read.light);
+  }
+  const auto intensity = OptionalNumberOrNull(object, "intensity", {.min = 0.0});
+  if (object.ok() && purpose == Purpose::kRender && !intensity)
+    object.RefuseText("intensity", "this key is missing, and rendering needs it");
+  read.light.intensity = intensity.value_or(1.0);
+  read.has_intensity = intensity.has_value();
+  if (const auto color = object.OptionalNumbers("color", 3, {.min = 0.0}))
+    read.light.color = ToVector(*color);
+  object.AllowPrefix("x-");
+  if (Status status = object.Finish(); !status) return Forward(status);
+  return read;
+}
+
+struct SceneRead {
+  std::vector<LightRead> lights;
+  std::optional<Reflectance> reflectance;
+};
+
+Result<SceneRead> ReadLights(StrictObject& object, Purpose purpose, bool from_result) {
+  SceneRead read;
+  for (StrictObject& entry : object.Objects("lights", purpose == Purpose::kGuess ? 1 : 0)) {
+    auto light = ReadLight(std::move(entry), purpose, from_result);
+    if (!light) return Forward(light);
+    read.lights.push_back(*light);
+  }
+  return read;
+}
+
+Result<SceneRead> ReadTruth(StrictObject object, Purpose purpose) {
+  auto read = ReadLights(object, purpose, false);
+  if (!read) return read;
+  if (auto reflectance = object.OptionalObject("reflectance")) {
+    read->reflectance = ReadReflectance(*reflectance);
+    reflectance->AllowPrefix("x-");
+    if (Status status = reflectance->Finish(); !status) return Forward(status);
+  }
+  object.OptionalString("note");
+  object.AllowPrefix("x-");
+  if (Status status = object.Finish(); !status) return Forward(status);
+  return read;
+}
+
+double SpecularOf(StrictObject& object, SpecularModel model) {
+  if (model == SpecularModel::kNone)
+    return OptionalNumberOrNull(object, "specular", {.min = 0.0, .max = 0.0}).value_or(0.0);
+  return object.Number("specular", {.min = 0.0});
+}
+
+// A lobe that is not there has no width: its shininess may be absent.
+double ShininessOf(StrictObject& object, double specular) {
+  if (specular > 0.0) return object.Number("shininess", {.min = 0.5, .max = 1e5});
+  return OptionalNumberOrNull(object, "shininess", {.min = 0.0, .max = 1e5}).value_or(1.0);
+}
+
+double RoughnessOf(StrictObject& object, DiffuseModel model) {
+  const Range range{.min = 0.0, .max = 90.0};
+  if (model == DiffuseModel::kOrenNayar) return DegToRad(object.Number("roughness_deg", range));
+  if (OptionalNumberOrNull(object, "roughness_deg", range).value_or(0.0) > 0.0)
+    object.RefuseText("roughness_deg", "only the diffuse model oren-nayar has a roughness");
+  return 0.0;
+}
+
+Result<Reflectance> ReadResultReflectance(StrictObject object, StrictObject model) {
+  Reflectance reflectance;
+  const std::string specular = model.Choice("specular", {"none", "phong", "blinn-phong"});
+  const std::string diffuse = model.Choice("diffuse", {"lambert", "oren-nayar"});
+  for (const char* key : {"lights", "near", "albedo", "ladder"}) model.Ignore(key);
+  model.AllowPrefix("x-");
+  if (Status status = model.Finish(); !status) return Forward(status);
+  reflectance.specular_model = specular == "none"    ? SpecularModel::kNone
+                               : specular == "phong" ? SpecularModel::kPhong
+                                                     : SpecularModel::kBlinnPhong;
+  reflectance.diffuse_model =
+      diffuse == "lambert" ? DiffuseModel::kLambert : DiffuseModel::kOrenNayar;
+  reflectance.albedo = ToVector(object.Numbers("albedo", 3, {.min = 0.0}));
+  reflectance.ambient = object.Number("ambient", {.min = 0.0});
+  reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
+  reflectance.specular = SpecularOf(object, reflectance.specular_model);
+  reflectance.shininess = ShininessOf(object, reflectance.specular);
+  reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
+  for (const char* key : {"lobe", "sigma"}) object.Ignore(key);
+  object.AllowPrefix("x-");
+  if (Status status = object.Finish(); !status) return Forward(status);
+  return reflectance;
+}
+
+Result<SceneRead> ReadResult(StrictObject object, Purpose purpose) {
+  object.Ignore("format");
+  if (object.Integer("version", 1, 1) != 1 || !object.ok()) return Forward(object.Finish());
+  auto read = ReadLights(object, purpose, true);
+  if (!read) return read;
+  StrictObject reflectance_object = object.Object("reflectance");
+  StrictObject model_object = object.Object("model");
+  for (const char* key :
+       {"session", "method", "reference_point", "products", "residual", "identifiability", "notes",
+        "views", "distinct_views", "iterations", "stopped", "time_s"})
+    object.Ignore(key);
+  object.AllowPrefix("x-");
+  if (Status status = object.Finish(); !status) return Forward(status);
+  auto reflectance = ReadResultReflectance(reflectance_object, model_object);
+  if (!reflectance) return Forward(reflectance);
+  read->reflectance = *reflectance;
+  return read;
+}
+
+Result<SceneRead> Read(const std::string& text, const std::string& file, Purpose purpose) {
+  auto document = ParseJson(text, file);
+  if (!document) return Forward(document);
+  StrictObject object(*document);
+  if (!object.Has("format")) return ReadTruth(std::move(object), purpose);
+  if (object.Raw("format") != "turnlight-result") {
+    object.Refuse("format", "\"turnlight-result\", or no format at all in a truth.json");
+    return Forward(object.Finish());
+  }
+  return ReadResult(std::move(object), purpose);
+}
+
+nlohmann::ordered_json ToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::ordered_json LightToJson(const Light& light) {
+  nlohmann::ordered_json json;
+  json["direction"] = ToJson(light.direction);
+  json["position"] = nullptr;
+  if (light.inverse_distance > 0.0)
+    json["position"] = ToJson(light.direction / light.inverse_distance);
+  json["inverse_distance"] = light.inverse_distance;
+  json["intensity"] = light.intensity;
+  if (light.color != Eigen::Vector3d::Ones()) json["color"] = ToJson(light.color);
+  return json;
+}
+
+}  // namespace
+
+Reflectance ReadReflectance(StrictObject& object) {
+  Reflectance reflectance;
+  const std::string model = object.Choice("model", {"phong", "blinn-phong", "lambert", "none"});
+  reflectance.specular_model = model == "phong"         ? SpecularModel::kPhong
+                               : model == "blinn-phong" ? SpecularModel::kBlinnPhong
+                                                        : SpecularModel::kNone;
+  reflectance.albedo = ToVector(object.Numbers("albedo", 3, {.min = 0.0}));
+  reflectance.ambient = object.Number("ambient", {.min = 0.0});
+  reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
+  reflectance.specular = SpecularOf(object, reflectance.specular_model);
+  reflectance.shininess = ShininessOf(object, reflectance.specular);
+  if (object.OptionalChoice("diffuse_model", {"lambert", "oren-nayar"}) == "oren-nayar")
+    reflectance.diffuse_model = DiffuseModel::kOrenNayar;
+  reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
+  return reflectance;
+}
+
+std::string ModelWord(SpecularModel model) {
+  switch (model) {
+    case SpecularModel::kNone:
+      return "none";
+    case SpecularModel::kPhong:
+      return "phong";
+    case SpecularModel::kBlinnPhong:
+      return "blinn-phong";
+  }
+  return "none";
+}
+
+std::string ModelWord(DiffuseModel model) {
+  return model == DiffuseModel::kLambert ? "lambert" : "oren-nayar";
+}
+
+Result<Scene> ParseScene(const std::string& text, const std::string& file) {
+  auto read = Read(text, file, Purpose::kRender);
+  if (!read) return Forward(read);
+  if (!read->reflectance)
+    return InputError(file +
+                      ": reflectance: this key is missing, and rendering needs it; a file with "
+                      "lights only serves as estimate --initial");
+  Scene scene;
+  for (const LightRead& light : read->lights) scene.lights.push_back(light.light);
+  scene.reflectance = *read->reflectance;
+  return scene;
+}
+
+Result<InitialGuess> ParseInitialGuess(const std::string& text, const std::string& file) {
+  auto read = Read(text, file, Purpose::kGuess);
+  if (!read) return Forward(read);
+  InitialGuess guess;
+  guess.has_intensities = true;
+  for (const LightRead& light : read->lights) {
+    guess.lights.push_back(light.light);
+    guess.has_intensities &= light.has_intensity;
+  }
+  guess.reflectance = read->reflectance;
+  return guess;
+}
+
+Result<Scene> ReadScene(const std::filesystem::path& path) {
+  auto text = ReadFile(path, kMaxFileBytes);
+  if (!text) return Forward(text);
+  return ParseScene(*text, path.string());
+}
+
+Result<InitialGuess> ReadInitialGuess(const std::filesystem::path& path) {
+  auto text = ReadFile(path, kMaxFileBytes);
+  if (!text) return Forward(text);
+  return ParseInitialGuess(*text, path.string());
+}
+
+std::string TruthToJson(const Scene& scene, const std::string& note) {
+  nlohmann::ordered_json json;
+  json["lights"] = nlohmann::ordered_json::array();
+  for (const Light& light : scene.lights) json["lights"].push_back(LightToJson(light));
+  const Reflectance& r = scene.reflectance;
+  auto& out = json["reflectance"];
+  out["model"] = ModelWord(r.specular_model);
+  out["albedo"] = ToJson(r.albedo);
+  out["ambient"] = r.ambient;
+  out["diffuse"] = r.diffuse;
+  const bool has_lobe = r.specular_model != SpecularModel::kNone;
+  out["specular"] = has_lobe ? r.specular : 0.0;
+  out["shininess"] = has_lobe ? nlohmann::ordered_json(r.shininess) : nullptr;
+  if (r.diffuse_model == DiffuseModel::kOrenNayar) {
+    out["diffuse_model"] = ModelWord(r.diffuse_model);
+    out["roughness_deg"] = RadToDeg(r.roughness);
+  }
+  if (!note.empty()) json["note"] = note;
+  return json.dump(1) + "\n";
+}
+
+}  // namespace turnlight::rig

@@ -1,0 +1,49 @@
+// Scenes in files: truth.json, which says what a scene is, and result.json, which says what an
+// estimate found. Both serve as `render --params` and as `estimate --initial`.
+//
+// truth.json:
+//   {"lights": [{"direction": [x,y,z], "position": [x,y,z] or null, "intensity": 1.0,
+//                "color": [r,g,b], "inverse_distance": 1e-3}],
+//    "reflectance": {"model": "phong", "albedo": [r,g,b], "ambient": 0.1, "diffuse": 0.5,
+//                    "specular": 0.3, "shininess": 40, "diffuse_model": "oren-nayar",
+//                    "roughness_deg": 20},
+//    "note": "..."}
+// `color`, `inverse_distance`, `diffuse_model`, `roughness_deg` and `note` are optional, and keys
+// that begin with "x-" are free. `model` is "phong", "blinn-phong", or "lambert" or "none" for no
+// specular part, in which case (or with `specular` 0) `shininess` may be left out or null. A
+// direction need not be exactly unit.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/result.h"
+#include "base/strict_object.h"
+#include "estimator/estimate.h"
+#include "estimator/scene.h"
+
+namespace turnlight::rig {
+
+// A whole scene, ready to be rendered. Fails (kInput): no reflectance, a light without intensity, a
+// position and a direction (or a position and an inverse_distance) that disagree by more than 0.1
+// degree (0.1 %), a zero direction, shininess outside [0.5, 1e5], anything negative.
+Result<estimator::Scene> ReadScene(const std::filesystem::path& path);
+Result<estimator::Scene> ParseScene(const std::string& text, const std::string& file);
+
+// A start for the estimator: directions suffice. The direction wins over the position, whose length
+// gives the distance; both from W's origin. The result.json of an earlier estimate is a full guess.
+Result<estimator::InitialGuess> ReadInitialGuess(const std::filesystem::path& path);
+Result<estimator::InitialGuess> ParseInitialGuess(const std::string& text, const std::string& file);
+
+// The text of a truth.json; ParseScene gives back the same bits in every number but roughness,
+// which passes through degrees.
+std::string TruthToJson(const estimator::Scene& scene, const std::string& note = "");
+
+// The keys of `reflectance` above, read from an object; refusals are left in the object.
+estimator::Reflectance ReadReflectance(StrictObject& object);
+
+// The words used in files.
+std::string ModelWord(estimator::SpecularModel model);  // "none", "phong", "blinn-phong"
+std::string ModelWord(estimator::DiffuseModel model);   // "lambert", "oren-nayar"
+
+}  // namespace turnlight::rig

@@ -1,0 +1,194 @@
+// Proves that scenes and starts are read as documented, that what does not fit is refused by name,
+// and that a written truth reads back to the same bits. Does not prove that a result.json written
+// by the program reads back; tests/app does.
+#include "rig/sim/scene_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/angles.h"
+
+namespace turnlight::rig {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string kReflectance =
+    R"("reflectance": {"model": "phong", "albedo": [0.2, 0.4, 0.6], "ambient": 0.1, "diffuse": 0.5,
+       "specular": 0.3, "shininess": 40})";
+
+std::string WithLight(const std::string& light) {
+  return R"({"lights": [)" + light + "], " + kReflectance + "}";
+}
+
+std::string SceneError(const std::string& text) {
+  const auto scene = ParseScene(text, "truth.json");
+  return scene ? "accepted" : scene.error().text;
+}
+
+TEST(SceneFile, ReadsATruth) {
+  const auto scene = ParseScene(
+      WithLight(R"({"direction": [0, 3, 4], "position": [0, 300, 400], "intensity": 0.8})"), "t");
+  ASSERT_TRUE(scene) << scene.error().text;
+  ASSERT_EQ(scene->lights.size(), 1u);
+  EXPECT_NEAR((scene->lights[0].direction - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 0.0, 1e-15);
+  EXPECT_DOUBLE_EQ(scene->lights[0].inverse_distance, 1.0 / 500.0);
+  EXPECT_EQ(scene->lights[0].intensity, 0.8);
+  EXPECT_EQ(scene->lights[0].color, Eigen::Vector3d::Ones());
+  EXPECT_EQ(scene->reflectance.albedo, Eigen::Vector3d(0.2, 0.4, 0.6));
+  EXPECT_EQ(scene->reflectance.shininess, 40.0);
+  EXPECT_EQ(scene->reflectance.specular_model, estimator::SpecularModel::kPhong);
+}
+
+TEST(SceneFile, NullPositionIsADistantLight) {
+  const auto scene =
+      ParseScene(WithLight(R"({"direction": [0, 0, 2], "position": null, "intensity": 1})"), "t");
+  ASSERT_TRUE(scene) << scene.error().text;
+  EXPECT_EQ(scene->lights[0].inverse_distance, 0.0);
+  EXPECT_EQ(scene->lights[0].direction, Eigen::Vector3d::UnitZ());
+}
+
+TEST(SceneFile, LightsAloneAreAStartButNoScene) {
+  const std::string text =
+      R"({"lights": [{"direction": [0, 0, 1], "position": null}], "note": "by eye"})";
+  const auto guess = ParseInitialGuess(text, "truth.json");
+  ASSERT_TRUE(guess) << guess.error().text;
+  EXPECT_EQ(guess->lights.size(), 1u);
+  EXPECT_FALSE(guess->has_intensities);
+  EXPECT_FALSE(guess->reflectance);
+  EXPECT_THAT(SceneError(text),
+              AllOf(HasSubstr("truth.json: lights/0/intensity"), HasSubstr("rendering needs it")));
+  EXPECT_THAT(SceneError(R"({"lights": [{"direction": [0, 0, 1], "intensity": 1}]})"),
+              AllOf(HasSubstr("truth.json: reflectance"), HasSubstr("--initial")));
+}
+
+TEST(SceneFile, DirectionAndPositionMustAgreeInAScene) {
+  // 0.2 degree apart, at 500.
+  const std::string light =
+      R"({"direction": [0, 0, 1], "position": [1.7453, 0, 499.997], "intensity": 1})";
+  EXPECT_THAT(SceneError(WithLight(light)),
+              AllOf(HasSubstr("lights/0/position"), HasSubstr("0.2 degrees"), HasSubstr("0.1")));
+  const auto guess = ParseInitialGuess(WithLight(light), "t");
+  ASSERT_TRUE(guess) << guess.error().text;
+  EXPECT_EQ(guess->lights[0].direction, Eigen::Vector3d::UnitZ());
+  EXPECT_NEAR(guess->lights[0].inverse_distance, 1.0 / 500.0, 1e-9);
+  EXPECT_THAT(SceneError(WithLight(R"({"direction": [0, 0, 1], "position": [0, 0, 500],
+                                       "inverse_distance": 0.003, "intensity": 1})")),
+              HasSubstr("lights/0/inverse_distance"));
+}
+
+TEST(SceneFile, RefusalsNameTheKey) {
+  EXPECT_THAT(SceneError(WithLight(R"({"direction": [0, 0, 0], "intensity": 1})")),
+              HasSubstr("lights/0/direction"));
+  EXPECT_THAT(SceneError(WithLight(R"({"direction": [0, 0, 1], "position": [0, 0, 0],
+                                       "intensity": 1})")),
+              HasSubstr("lights/0/position"));
+  EXPECT_THAT(SceneError(WithLight(R"({"direction": [0, 0, 1], "intensity": -1})")),
+              HasSubstr("lights/0/intensity"));
+  EXPECT_THAT(SceneError(WithLight(R"({"direction": [0, 0, 1], "intensity": 1, "watts": 5})")),
+              AllOf(HasSubstr("lights/0/watts"), HasSubstr("unknown key")));
+  EXPECT_THAT(SceneError(R"({"lights": [], "reflectance": {"model": "velvet"}})"),
+              AllOf(HasSubstr("reflectance/model"), HasSubstr("blinn-phong")));
+  EXPECT_THAT(SceneError(R"({"format": "turnlight-session"})"), HasSubstr("turnlight-result"));
+  EXPECT_THAT(SceneError("{"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(SceneError("[]"), HasSubstr("object"));
+}
+
+TEST(SceneFile, ShininessMayBeMissingOnlyWithoutALobe) {
+  const std::string head =
+      R"({"lights": [], "reflectance": {"albedo": [1, 1, 1], "ambient": 0, "diffuse": 1, )";
+  EXPECT_EQ(SceneError(head + R"("model": "lambert"}})"), "accepted");
+  EXPECT_EQ(SceneError(head + R"("model": "none", "specular": 0, "shininess": null}})"),
+            "accepted");
+  EXPECT_EQ(SceneError(head + R"("model": "phong", "specular": 0}})"), "accepted");
+  EXPECT_THAT(SceneError(head + R"("model": "phong", "specular": 0.1}})"),
+              HasSubstr("reflectance/shininess"));
+  EXPECT_THAT(SceneError(head + R"("model": "none", "specular": 0.1}})"),
+              HasSubstr("reflectance/specular"));
+  EXPECT_THAT(SceneError(head + R"("model": "none", "roughness_deg": 20}})"),
+              HasSubstr("reflectance/roughness_deg"));
+}
+
+TEST(SceneFile, FreeKeysAreAllowed) {
+  EXPECT_EQ(SceneError(R"({"x-lab": 1, "lights": [{"direction": [0, 0, 1], "intensity": 1,
+      "x-lamp": "B"}], )" +
+                       kReflectance + "}"),
+            "accepted");
+}
+
+TEST(SceneFile, TruthRoundTripsToTheSameBits) {
+  estimator::Scene scene;
+  scene.lights.push_back({Eigen::Vector3d(0.3, -0.2, 0.7).normalized(), 1.0 / 3.0e3, 0.7,
+                          Eigen::Vector3d(1.0, 0.9, 0.8)});
+  scene.lights.push_back(
+      {Eigen::Vector3d(-0.1, 0.55, 0.3).normalized(), 0.0, 1.0 / 3.0, {1, 1, 1}});
+  scene.reflectance.albedo = {0.1, 1.0 / 3.0, 0.9};
+  scene.reflectance.ambient = 0.07;
+  scene.reflectance.specular = 0.21;
+  scene.reflectance.shininess = 33.3;
+  scene.reflectance.specular_model = estimator::SpecularModel::kBlinnPhong;
+  scene.reflectance.diffuse_model = estimator::DiffuseModel::kOrenNayar;
+  scene.reflectance.roughness = DegToRad(20.0);
+  const auto back = ParseScene(TruthToJson(scene, "made up"), "t");
+  ASSERT_TRUE(back) << back.error().text;
+  ASSERT_EQ(back->lights.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(back->lights[i].direction, scene.lights[i].direction);
+    EXPECT_EQ(back->lights[i].inverse_distance, scene.lights[i].inverse_distance);
+    EXPECT_EQ(back->lights[i].intensity, scene.lights[i].intensity);
+    EXPECT_EQ(back->lights[i].color, scene.lights[i].color);
+  }
+  EXPECT_EQ(back->reflectance.albedo, scene.reflectance.albedo);
+  EXPECT_EQ(back->reflectance.ambient, scene.reflectance.ambient);
+  EXPECT_EQ(back->reflectance.specular, scene.reflectance.specular);
+  EXPECT_EQ(back->reflectance.shininess, scene.reflectance.shininess);
+  EXPECT_EQ(back->reflectance.specular_model, scene.reflectance.specular_model);
+  EXPECT_EQ(back->reflectance.diffuse_model, scene.reflectance.diffuse_model);
+  EXPECT_NEAR(back->reflectance.roughness, scene.reflectance.roughness, 1e-15);
+}
+
+TEST(SceneFile, ReadsAResultExactly) {
+  const std::string text = R"({"format": "turnlight-result", "version": 1, "session": "s",
+    "model": {"lights": 1, "near": [true], "diffuse": "oren-nayar", "specular": "none"},
+    "lights": [{"direction": [0, 0, 1], "direction_sigma_deg": 0.1, "inverse_distance": 0.002,
+                "distance": 500.0, "position": [0, 0, 500.001], "intensity": 1.0,
+                "intensity_sigma": null}],
+    "reflectance": {"albedo": [1, 0.5, 0.5], "ambient": 0.1, "diffuse": 0.6, "specular": 0,
+                    "shininess": null, "roughness_deg": 20, "lobe": null, "sigma": {}},
+    "notes": []})";
+  const auto scene = ParseScene(text, "result.json");
+  ASSERT_TRUE(scene) << scene.error().text;
+  EXPECT_EQ(scene->lights[0].inverse_distance, 0.002);
+  EXPECT_EQ(scene->reflectance.specular_model, estimator::SpecularModel::kNone);
+  EXPECT_EQ(scene->reflectance.diffuse_model, estimator::DiffuseModel::kOrenNayar);
+  EXPECT_DOUBLE_EQ(scene->reflectance.roughness, DegToRad(20.0));
+  const auto guess = ParseInitialGuess(text, "result.json");
+  ASSERT_TRUE(guess) << guess.error().text;
+  EXPECT_TRUE(guess->has_intensities);
+  EXPECT_TRUE(guess->reflectance);
+  EXPECT_THAT(SceneError(R"({"format": "turnlight-result", "version": 2})"), HasSubstr("version"));
+}
+
+TEST(SceneFile, ReadsTheSharedTruths) {
+  const std::filesystem::path data = TURNLIGHT_SHARED_DATA;
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << data << " is not there";
+  const auto scene = ReadScene(data / "pov_orbit_sphere_3" / "truth.json");
+  ASSERT_TRUE(scene) << scene.error().text;
+  EXPECT_EQ(scene->lights.size(), 3u);
+  EXPECT_NEAR(scene->lights[0].inverse_distance, 1.0 / 700.0, 1e-12);
+  const auto guess = ReadInitialGuess(data / "uw_gray_00" / "truth.json");
+  ASSERT_TRUE(guess) << guess.error().text;
+  EXPECT_NEAR(guess->lights[0].direction.norm(), 1.0, 1e-15);
+}
+
+TEST(SceneFile, AMissingFileIsNamed) {
+  const auto scene = ReadScene("/nowhere/truth.json");
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().text, HasSubstr("/nowhere/truth.json"));
+}
+
+}  // namespace
+}  // namespace turnlight::rig
