@@ -59,8 +59,8 @@ Result<std::string> ReadFile(const std::filesystem::path& path, std::uint64_t ma
     return InputError(path.string() + ": cannot read: " + ErrnoText());
   if (!S_ISREG(info.st_mode)) return InputError(path.string() + ": not a regular file");
   if (static_cast<std::uint64_t>(info.st_size) > max_bytes)
-    return InputError(path.string() + ": " + std::to_string(info.st_size) +
-                      " bytes, at most " + std::to_string(max_bytes) + " are read");
+    return InputError(path.string() + ": " + std::to_string(info.st_size) + " bytes, at most " +
+                      std::to_string(max_bytes) + " are read");
   std::string bytes(static_cast<std::size_t>(info.st_size), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -12,6 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxDepth = 32;
+constexpr std::size_t kMaxYamlValues = 100000;
 
 std::string Show(const json& value) {
   std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -56,8 +58,8 @@ class DuplicateKeys {
       problem_ = "nested more than " + std::to_string(kMaxDepth) + " levels deep";
     if (event == json::parse_event_t::object_start) keys_.emplace_back();
     if (event == json::parse_event_t::object_end) keys_.pop_back();
-    if (event == json::parse_event_t::key && !keys_.back().insert(parsed.get<std::string>()).second &&
-        problem_.empty())
+    if (event == json::parse_event_t::key &&
+        !keys_.back().insert(parsed.get<std::string>()).second && problem_.empty())
       problem_ = "the key " + Show(parsed) + " appears twice in one object";
     return true;
   }
@@ -68,7 +70,8 @@ class DuplicateKeys {
   std::string problem_;
 };
 
-// nlohmann's parser recurses per level when a value is destroyed; a cheap scan bounds it beforehand.
+// nlohmann's parser recurses per level when a value is destroyed; a cheap scan bounds it
+// beforehand.
 bool NestedTooDeep(std::string_view text) {
   int depth = 0;
   bool in_string = false;
@@ -88,22 +91,37 @@ bool NestedTooDeep(std::string_view text) {
   return false;
 }
 
+// Decimal numbers only: yaml-cpp's own conversion reads 010 as 8 and depends on the locale.
+std::optional<json> PlainNumber(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.find_first_not_of("0123456789+-.eE") != std::string_view::npos) return std::nullopt;
+  const char* end = text.data() + text.size();
+  std::int64_t integer = 0;
+  if (const auto read = std::from_chars(text.data(), end, integer);
+      read.ec == std::errc() && read.ptr == end)
+    return integer;
+  double number = 0.0;
+  if (const auto read = std::from_chars(text.data(), end, number);
+      read.ec == std::errc() && read.ptr == end)
+    return number;
+  return std::nullopt;
+}
+
 json ScalarToJson(const YAML::Node& node) {
   const std::string& text = node.Scalar();
-  if (node.Tag() == "!") return text;  // quoted
+  if (node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str") return text;  // quoted, or !!str
   if (text == "null" || text == "~" || text.empty()) return nullptr;
   if (text == "true") return true;
   if (text == "false") return false;
-  std::int64_t integer = 0;
-  double number = 0.0;
-  if (YAML::convert<std::int64_t>::decode(node, integer)) return integer;
-  if (YAML::convert<double>::decode(node, number)) return number;
-  return text;
+  return PlainNumber(text).value_or(json(text));
 }
 
 Result<json> NodeToJson(const YAML::Node& node, const std::string& pointer, int depth,
                         Document& document) {
   document.lines[pointer] = node.Mark().line + 1;
+  // Aliases of aliases expand without bound.
+  if (document.lines.size() > kMaxYamlValues)
+    return InputError(document.file + ": more than " + std::to_string(kMaxYamlValues) + " values");
   const std::string here = document.file + ":" + std::to_string(node.Mark().line + 1) + ": ";
   if (depth > kMaxDepth)
     return InputError(here + "nested more than " + std::to_string(kMaxDepth) + " levels deep");
@@ -152,7 +170,11 @@ Result<Document> ParseJson(std::string_view text, std::string file) {
 Result<Document> ParseYaml(const std::string& text, std::string file) {
   Document document{std::move(file), {}, {}};
   try {
-    auto root = NodeToJson(YAML::Load(text), "", 0, document);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1)
+      return InputError(document.file + ": " + std::to_string(documents.size()) +
+                        " documents, allowed is 1");
+    auto root = NodeToJson(documents.empty() ? YAML::Node() : documents[0], "", 0, document);
     if (!root) return Forward(root);
     document.root = std::move(*root);
   } catch (const YAML::Exception& error) {
@@ -191,8 +213,8 @@ void StrictObject::RefuseText(std::string_view key, std::string_view text) {
 }
 
 void StrictObject::Refuse(std::string_view key, std::string_view allowed) {
-  const json* value = value_->is_object() && value_->contains(key) ? &value_->at(std::string(key))
-                                                                   : nullptr;
+  const json* value =
+      value_->is_object() && value_->contains(key) ? &value_->at(std::string(key)) : nullptr;
   RefuseText(key, (value ? Show(*value) : "missing") + ", allowed is " + std::string(allowed));
 }
 

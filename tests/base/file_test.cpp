@@ -1,0 +1,99 @@
+// Proves: whole files go in and out, a failed write leaves neither a temporary nor a changed file,
+// and refusals name the file and the reason. Does not prove: that data survive a power cut (fsync
+// is called; no test pulls the plug).
+#include "base/file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <vector>
+
+namespace turnlight {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class File : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) /
+              ("turnlight_file_" + std::to_string(::getpid()) + info->name());
+    fs::remove_all(folder_);
+    fs::create_directory(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(File, WritesReadsAndReplaces) {
+  const std::string bytes("a\0b\xff\n", 5);
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "x", bytes));
+  EXPECT_EQ(ReadFile(folder_ / "x").value(), bytes);
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "x", "short"));
+  EXPECT_EQ(ReadFile(folder_ / "x").value(), "short");
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "x", ""));
+  EXPECT_EQ(ReadFile(folder_ / "x").value(), "");
+  EXPECT_THAT(Names(), ElementsAre("x"));
+  struct stat info {};
+  ASSERT_EQ(::stat((folder_ / "x").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777u, 0644u);
+}
+
+TEST_F(File, ReaderKeepsTheOldFile) {
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "x", "old"));
+  fs::create_hard_link(folder_ / "x", folder_ / "held");
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "x", "new"));
+  EXPECT_EQ(ReadFile(folder_ / "held").value(), "old");
+}
+
+TEST_F(File, FailedWriteLeavesNothing) {
+  fs::create_directory(folder_ / "taken");
+  const Status onto_folder = WriteFileAtomic(folder_ / "taken", "bytes");
+  ASSERT_FALSE(onto_folder);
+  EXPECT_EQ(onto_folder.error().kind, ErrorKind::kSystem);
+  EXPECT_THAT(onto_folder.error().text, HasSubstr("taken: cannot rename into place"));
+  EXPECT_THAT(Names(), ElementsAre("taken"));
+  const Status nowhere = WriteFileAtomic(folder_ / "none" / "x", "bytes");
+  ASSERT_FALSE(nowhere);
+  EXPECT_THAT(nowhere.error().text, HasSubstr("none/x: cannot create"));
+  EXPECT_THAT(Names(), ElementsAre("taken"));
+}
+
+TEST_F(File, ReadRefusals) {
+  EXPECT_THAT(ReadFile(folder_ / "x").error().text, HasSubstr("x: cannot open: No such file"));
+  EXPECT_THAT(ReadFile(folder_).error().text, HasSubstr("not a regular file"));
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(ReadFile(folder_ / "pipe").error().text, HasSubstr("not a regular file"));
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "long", "12345"));
+  EXPECT_TRUE(ReadFile(folder_ / "long", 5));
+  const auto refused = ReadFile(folder_ / "long", 4);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(refused.error().text, HasSubstr("long: 5 bytes, at most 4 are read"));
+}
+
+TEST_F(File, MakeDirectory) {
+  EXPECT_TRUE(MakeDirectory(folder_ / "a" / "b"));
+  EXPECT_TRUE(MakeDirectory(folder_ / "a" / "b"));
+  EXPECT_TRUE(fs::is_directory(folder_ / "a" / "b"));
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "x", ""));
+  EXPECT_FALSE(MakeDirectory(folder_ / "x"));
+  EXPECT_FALSE(MakeDirectory(folder_ / "x" / "y"));
+}
+
+}  // namespace
+}  // namespace turnlight
