@@ -1,0 +1,95 @@
+#include "rig/session/image_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <exception>
+
+#include "base/file.h"
+#include "rig/session/image_formats.h"
+
+namespace turnlight::rig {
+namespace {
+
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
+constexpr std::int64_t kMaxExpansion = 4096;
+
+enum class Format { kPng, kTiff, kExr };
+
+std::string ShowSize(std::int64_t width, std::int64_t height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+Result<Format> FormatOf(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".png") return Format::kPng;
+  if (extension == ".tif" || extension == ".tiff") return Format::kTiff;
+  if (extension == ".exr") return Format::kExr;
+  return InputError(file.string() + ": the extension is \"" + extension +
+                    "\", allowed are .png, .tif, .tiff and .exr");
+}
+
+}  // namespace
+
+Status CheckImageHeader(const ImageHeader& header, const std::string& file, cv::Size expected,
+                        std::size_t file_bytes) {
+  const std::string size = ShowSize(header.width, header.height);
+  if (!expected.empty() && (header.width != expected.width || header.height != expected.height))
+    return InputError(file + ": the picture is " + size + " pixels, allowed is " +
+                      ShowSize(expected.width, expected.height) + ", the camera's image size");
+  if (header.width < 1 || header.height < 1 || header.width > kMaxPixels / header.height)
+    return InputError(file + ": the picture is " + size + " pixels, allowed are 1 to " +
+                      std::to_string(kMaxPixels) + " pixels in all");
+  const std::int64_t decoded = header.width * header.height * header.bytes_per_pixel;
+  if (decoded / kMaxExpansion > static_cast<std::int64_t>(file_bytes))
+    return InputError(file + ": truncated: the file's " + std::to_string(file_bytes) +
+                      " bytes cannot hold a picture of " + size + " pixels");
+  return {};
+}
+
+Result<cv::Mat> DecodeImage(const std::string& bytes, const std::filesystem::path& file,
+                            cv::Size expected) {
+  const auto format = FormatOf(file);
+  if (!format) return Forward(format);
+  try {
+    switch (*format) {
+      case Format::kPng:
+        return DecodePng(bytes, file.string(), expected);
+      case Format::kTiff:
+        return DecodeTiff(bytes, file.string(), expected);
+      case Format::kExr:
+        return DecodeExr(bytes, file.string(), expected);
+    }
+  } catch (const std::exception& error) {
+    return InputError(file.string() + ": damaged or truncated: " + error.what());
+  }
+  return InputError(file.string() + ": unknown format");
+}
+
+Result<cv::Mat> ReadImage(const std::filesystem::path& path, cv::Size expected) {
+  const auto bytes = ReadFile(path);
+  if (!bytes) return Forward(bytes);
+  return DecodeImage(*bytes, path, expected);
+}
+
+Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+  const auto format = FormatOf(path);
+  if (!format) return Forward(format);
+  if (image.empty() || (image.channels() != 1 && image.channels() != 3))
+    return InputError(path.string() + ": the picture has " + std::to_string(image.channels()) +
+                      " channels and " + std::to_string(image.total()) +
+                      " pixels, allowed are 1 or 3 channels and at least one pixel");
+  Result<std::string> bytes;
+  try {
+    bytes = *format == Format::kPng    ? EncodePng(image, path.string())
+            : *format == Format::kTiff ? EncodeTiff(image, path.string())
+                                       : EncodeExr(image, path.string());
+  } catch (const std::exception& error) {
+    return SystemError(path.string() + ": cannot encode the picture: " + error.what());
+  }
+  if (!bytes) return Forward(bytes);
+  return WriteFileAtomic(path, *bytes);
+}
+
+}  // namespace turnlight::rig

@@ -1,19 +1,20 @@
-// Pictures in files: PNG and TIFF of 8 and 16 bits, TIFF and OpenEXR of 32-bit float; grey or colour.
+// Pictures in files: PNG and TIFF of 8 and 16 bits, TIFF and OpenEXR of 32-bit float; grey or
+// colour.
 #pragma once
 
 #include <filesystem>
-
 #include <opencv2/core.hpp>
 
 #include "base/result.h"
 
 namespace turnlight::rig {
 
-// Decodes a picture from a file's bytes; `file` names it in messages, its extension picks the format
+// Decodes a picture from a file's bytes; `file` names it in messages, its extension picks the
+// format
 // (.png, .tif, .tiff, .exr). Colour comes as R, G, B. The header's size is checked against expected
-// (if not empty) before anything is decoded or allocated. Fails (kInput): unknown extension, damaged
-// or truncated data, wrong size, 2 or 4 channels, a depth other than 8, 16 or float 32 (half too, in
-// OpenEXR).
+// (if not empty) before anything is decoded or allocated. Fails (kInput): unknown extension,
+// damaged or truncated data, wrong size, 2 or 4 channels, a depth other than 8, 16 or float 32
+// (half too, in OpenEXR).
 Result<cv::Mat> DecodeImage(const std::string& bytes, const std::filesystem::path& file,
                             cv::Size expected = {});
 

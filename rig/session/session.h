@@ -2,14 +2,13 @@
 // frames/, masks, a mesh. Raw data never changes. Everything lies under the folder's root.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
-
-#include <Eigen/Core>
-#include <opencv2/core.hpp>
 
 #include "base/result.h"
 #include "calib/camera_model.h"
@@ -25,33 +24,33 @@ struct MeshFile {
 using Target = std::variant<calib::SphereShape, calib::PlaneShape, MeshFile>;
 
 struct FrameRecord {
-  std::string image;                       // relative path
-  std::optional<std::string> mask;         // non-zero = target
-  std::optional<std::string> validity;     // non-zero = pixel may be used
+  std::string image;                    // relative path
+  std::optional<std::string> mask;      // non-zero = target
+  std::optional<std::string> validity;  // non-zero = pixel may be used
   std::optional<double> angle_deg;
   std::optional<double> angle_measured_deg;
   calib::Exposure exposure;
-  bool has_gain = false;                   // gain_db was given in the file
+  bool has_gain = false;  // gain_db was given in the file
   calib::Pose X_WC;
   calib::Pose X_WT;
-  std::optional<std::string> sha256;       // of the image file's bytes
+  std::optional<std::string> sha256;  // of the image file's bytes
 };
 
 struct Session {
   std::string name;
-  std::string length_unit;      // "mm", "m", ...: any word without spaces
-  std::string camera_path;      // relative
-  calib::Radiometry radiometry; // references filled in from frame 0
+  std::string length_unit;       // "mm", "m", ...: any word without spaces
+  std::string camera_path;       // relative
+  calib::Radiometry radiometry;  // references filled in from frame 0
   std::optional<std::string> bayer;
   Target target;
   std::vector<FrameRecord> frames;
 
-  std::filesystem::path root;   // where it was read from
+  std::filesystem::path root;                // where it was read from
   std::optional<calib::CameraModel> camera;  // always set by ReadSession
 };
 
-// Reads and validates session.json and the camera model. Images and meshes are not opened, but every
-// path must stay under the root (no absolute path, no "..", no symbolic link out) and exist.
+// Reads and validates session.json and the camera model. Images and meshes are not opened, but
+// every path must stay under the root (no absolute path, no "..", no symbolic link out) and exist.
 Result<Session> ReadSession(const std::filesystem::path& root);
 
 // Writes root/session.json and the camera model. Images, masks and meshes are the caller's.
@@ -71,13 +70,13 @@ Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame);
 // The target's shape; reads the mesh if there is one.
 Result<calib::TargetShape> ReadTarget(const Session& session);
 
-// What `turnlight verify` says: everything that is wrong with the session, one line each; empty when
-// all is well. Reads every file. `checked` counts the frames read.
+// What `turnlight verify` says: everything that is wrong with the session, one line each; empty
+// when all is well. Reads every file. `checked` counts the frames read.
 struct VerifyReport {
   std::vector<std::string> problems;
   std::vector<std::string> remarks;  // not wrong, worth knowing: frames without a checksum, ...
   std::size_t frames = 0;
-  std::string content_sha256;        // over session.json and all files it names; "" with problems
+  std::string content_sha256;  // over session.json and all files it names; "" with problems
 };
 Result<VerifyReport> VerifySession(const std::filesystem::path& root);
 

@@ -1,0 +1,29 @@
+// session.json as text: parsed into a Session, and written from one. Internal to this folder; knows
+// nothing of the other files of a session.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "rig/session/session.h"
+
+namespace turnlight::rig {
+
+// A session with everything that is wrong with its text. With problems, the session holds harmless
+// values in the places that were refused.
+struct ParsedSession {
+  Session session;  // without root and camera
+  std::vector<std::string> problems;
+};
+
+// file names the text in messages. Goes on after a bad frame, so that all are listed.
+ParsedSession ParseSession(const std::string& text, const std::string& file);
+
+// One frame a line; every double reads back to the same bits.
+std::string PrintSession(const Session& session);
+
+// "frame 3 (30 deg)", as messages about a frame begin.
+std::string FrameLabel(const Session& session, std::size_t frame);
+
+}  // namespace turnlight::rig
