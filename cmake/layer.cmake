@@ -11,6 +11,9 @@ function(turnlight_flags target)
       -fsanitize=${TURNLIGHT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
     target_link_options(${target} PRIVATE -fsanitize=${TURNLIGHT_SANITIZE})
   endif()
+  if(TURNLIGHT_FUZZERS)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
 endfunction()
 
 # turnlight_layer(NAME SOURCES ... USES ...): one folder's library. A function used from a layer that
