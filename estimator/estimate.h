@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "calib/camera_model.h"
 #include "estimator/geometry.h"
+#include "estimator/intensity_map.h"
 #include "estimator/keyframe.h"
 #include "estimator/scene.h"
 
@@ -89,12 +90,6 @@ struct Estimate {
   double initial_s = 0.0, solve_s = 0.0;  // seconds, for people
 
   Scene ToScene() const;
-};
-
-// The intensity map that the start was read from, for pictures: azimuth (columns, 0..360 degrees)
-// by zenith (rows, 0..180 degrees about W's +z), grey; NaN where nothing was seen.
-struct IntensityMap {
-  cv::Mat1f intensity;
 };
 
 struct EstimateOutput {

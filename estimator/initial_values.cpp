@@ -1,0 +1,196 @@
+#include "estimator/initial_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/angles.h"
+#include "estimator/solver.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kExcessFloor = 5e-4;  // radiance: what footprints and edges leave even when clean
+constexpr double kEliminationRatio = 3.0;  // true lights gave 40 and more
+constexpr double kMergeLimitDeg = 15.0;
+constexpr double kNoLobeMergeDeg = 25.0;
+constexpr double kNegligibleShare = 0.005;
+
+double Median(std::vector<float>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+std::vector<float> Values(const Observations& all, int channel) {
+  std::vector<float> values;
+  values.reserve(all.used);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel) values.push_back(all.radiance[channel][i]);
+  return values;
+}
+
+Solution SolveStart(const Observations& sample, const Scene& start, int iterations,
+                    bool free_geometry) {
+  SolveOptions options;
+  options.max_iterations = iterations;
+  options.function_tolerance = 1e-6;
+  options.gauge = Gauge::kDiffuse;
+  options.free_directions = free_geometry;
+  if (!free_geometry) options.fixed_distance.assign(start.lights.size(), true);
+  options.evaluate.samples_per_side = FootprintSamples(sample, start.reflectance.shininess);
+  return Solve(sample, start, options);
+}
+
+// Two lights as one: intensities add, the rest is their weighted mean.
+Light Merged(const Light& a, const Light& b) {
+  const double sum = std::max(a.intensity + b.intensity, 1e-300);
+  const double share = a.intensity / sum;
+  Light out = a;
+  out.direction = (share * a.direction + (1.0 - share) * b.direction).normalized();
+  out.inverse_distance = share * a.inverse_distance + (1.0 - share) * b.inverse_distance;
+  out.intensity = a.intensity + b.intensity;
+  return out;
+}
+
+double MergeAngle(const Reflectance& r) {
+  const bool lobe = r.specular > 1e-3 * r.diffuse && r.specular_model != SpecularModel::kNone;
+  if (!lobe) return DegToRad(kNoLobeMergeDeg);
+  return std::min(0.6 * LobeHalfWidth(r.shininess), DegToRad(kMergeLimitDeg));
+}
+
+// Merges the closest pair within the angle and removes the negligible. False if nothing changed.
+bool MergeAndPrune(Scene& scene) {
+  std::vector<Light>& lights = scene.lights;
+  const std::size_t before = lights.size();
+  double total = 0.0;
+  for (const Light& light : lights) total += light.intensity;
+  std::erase_if(lights, [&](const Light& l) { return l.intensity < kNegligibleShare * total; });
+  const double cosine = std::cos(MergeAngle(scene.reflectance));
+  for (bool merged = true; merged;) {
+    merged = false;
+    std::size_t a = 0, b = 0;
+    double closest = cosine;
+    for (std::size_t i = 0; i < lights.size(); ++i)
+      for (std::size_t j = i + 1; j < lights.size(); ++j)
+        if (lights[i].direction.dot(lights[j].direction) > closest) {
+          closest = lights[i].direction.dot(lights[j].direction);
+          a = i;
+          b = j;
+          merged = true;
+        }
+    if (!merged) break;
+    lights[a] = Merged(lights[a], lights[b]);
+    lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+  return lights.size() != before;
+}
+
+Candidate Refit(const Observations& sample, const Scene& start, int iterations, double noise) {
+  Solution solution = SolveStart(sample, start, iterations, true);
+  return {std::move(solution.scene), ExcessVariance(solution.equations.cost, sample, noise)};
+}
+
+// The best fit without one of the weakest four lights.
+Candidate BestWithoutOne(const Observations& sample, const Candidate& full, double noise) {
+  std::vector<std::size_t> order(full.scene.lights.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return full.scene.lights[a].intensity < full.scene.lights[b].intensity;
+  });
+  order.resize(std::min<std::size_t>(order.size(), 4));
+  Candidate best;
+  for (const std::size_t index : order) {
+    Scene scene = full.scene;
+    scene.lights.erase(scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
+    Candidate candidate = Refit(sample, scene, 20, noise);
+    if (best.scene.lights.empty() || candidate.excess < best.excess) best = std::move(candidate);
+  }
+  return best;
+}
+
+}  // namespace
+
+double EstimateNoise(const Observations& all) {
+  std::vector<float> differences;
+  for (std::size_t i = 1; i + 1 < all.size(); ++i) {
+    if (all.pixel[i] == Observations::kNoPixel || all.pixel[i - 1] + 1 != all.pixel[i] ||
+        all.pixel[i] + 1 != all.pixel[i + 1])
+      continue;
+    for (int c = 0; c < all.channels; ++c)
+      differences.push_back(
+          std::abs(all.radiance[c][i - 1] - 2.0f * all.radiance[c][i] + all.radiance[c][i + 1]));
+  }
+  // 0.6745: the median of a unit normal's magnitude; sqrt 6: the filter's own gain.
+  return Median(differences) / (0.6745 * std::sqrt(6.0));
+}
+
+Eigen::Vector3d MedianColour(const Observations& observations) {
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+  for (int c = 0; c < observations.channels; ++c) {
+    std::vector<float> values = Values(observations, c);
+    colour[c] = Median(values);
+  }
+  if (observations.channels == 1) colour.setConstant(colour[0]);
+  return colour;
+}
+
+std::vector<Eigen::Vector3d> HemisphereDirections(int count, const Eigen::Vector3d& up) {
+  const Eigen::Matrix<double, 3, 2> basis = TangentBasis(up);
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (i + 0.5) / count;
+    const double azimuth = 2.0 * std::numbers::pi * i / std::numbers::phi;
+    const double r = std::sqrt(1.0 - z * z);
+    directions.push_back(z * up +
+                         r * (std::cos(azimuth) * basis.col(0) + std::sin(azimuth) * basis.col(1)));
+  }
+  return directions;
+}
+
+Scene StartFromDirections(const Observations& observations,
+                          const std::vector<Eigen::Vector3d>& directions) {
+  Scene scene;
+  const Eigen::Vector3d median = MedianColour(observations).cwiseMax(1e-6);
+  Reflectance& r = scene.reflectance;
+  r.albedo = median / median.maxCoeff();
+  std::vector<float> values = Values(observations, 0);
+  const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 20);
+  std::nth_element(values.begin(), low, values.end());
+  r.ambient = std::max(static_cast<double>(*low) / r.albedo[0], 0.0);
+  r.diffuse = 1.0;
+  r.specular = 0.5;
+  r.shininess = 20.0;
+  for (const Eigen::Vector3d& direction : directions) {
+    Light light;
+    light.direction = direction;
+    light.inverse_distance = 0.05;
+    light.intensity = median.maxCoeff() / static_cast<double>(directions.size());
+    scene.lights.push_back(light);
+  }
+  return scene;
+}
+
+double ExcessVariance(double cost, const Observations& observations, double noise) {
+  const double values = static_cast<double>(observations.used) * observations.channels;
+  return std::max(2.0 * cost / values - noise * noise, 0.0) + kExcessFloor * kExcessFloor;
+}
+
+Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
+  Scene scene = SolveStart(sample, start, 15, false).scene;
+  Candidate best = Refit(sample, scene, 40, noise);
+  for (int round = 0; round < 6; ++round) {
+    scene = best.scene;
+    if (!MergeAndPrune(scene) || scene.lights.empty()) break;
+    best = Refit(sample, scene, 20, noise);
+  }
+  while (best.scene.lights.size() > 1) {
+    Candidate fewer = BestWithoutOne(sample, best, noise);
+    if (fewer.excess >= kEliminationRatio * best.excess) break;
+    best = std::move(fewer);
+  }
+  return best;
+}
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,41 @@
+// Where a solve starts, and which lights it starts with.
+#pragma once
+
+#include <vector>
+
+#include "estimator/intensity_map.h"
+#include "estimator/observations.h"
+#include "estimator/scene.h"
+
+namespace turnlight::estimator {
+
+// Standard deviation of the pixels' noise, in radiance: the median absolute second difference along
+// rows, which smooth shading hardly moves. An upper bound where texture or highlights rule.
+double EstimateNoise(const Observations& observations);
+
+// Per-channel median radiance, the paper's start for the diffuse colour (Wood et al., 2000).
+Eigen::Vector3d MedianColour(const Observations& observations);
+
+// K directions spread evenly over the hemisphere around `up` (a Fibonacci lattice).
+std::vector<Eigen::Vector3d> HemisphereDirections(int count, const Eigen::Vector3d& up);
+
+// A start in the observations' coordinates with a light of equal strength in each direction: colour
+// from the median, ambient from the 5 % quantile, a broad lobe, lights at 20 R.
+Scene StartFromDirections(const Observations& observations,
+                          const std::vector<Eigen::Vector3d>& directions);
+
+// Fits from a start with perhaps too many lights, then merges lights that are closer than their
+// lobe can tell apart, removes the negligible, and eliminates backwards every light without which
+// the excess variance (over noise^2) is less than three times as large. See docs/design.md,
+// "Starts".
+struct Candidate {
+  Scene scene;          // in the observations' coordinates
+  double excess = 0.0;  // residual variance above the noise, with a floor
+};
+Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise);
+
+// The residual variance per value above noise^2, at least a floor that stands for what the model
+// cannot describe anyway.
+double ExcessVariance(double cost, const Observations& observations, double noise);
+
+}  // namespace turnlight::estimator

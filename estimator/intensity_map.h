@@ -1,0 +1,36 @@
+// The intensity map: what is seen in each mirrored direction, over all views (paper, section 3.2).
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "estimator/observations.h"
+
+namespace turnlight::estimator {
+
+// Grey intensity by direction: rows are the zenith about W's +z (0..180 degrees), columns the
+// azimuth (0..360 degrees), one degree a cell; NaN where nothing was seen.
+struct IntensityMap {
+  cv::Mat1f intensity;
+};
+
+// Every pixel's grey value is plotted at the direction of its mirrored view; a cell is the mean.
+// Then a Gaussian of sigma_deg on the sphere (wide enough to close the gaps between samples).
+IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg = 2.0);
+
+// A direction in W and the map's value there.
+struct MapPoint {
+  Eigen::Vector3d direction;
+  double intensity;
+};
+
+// The cells at or above share of the way from the map's darkest to its brightest, brightest first.
+std::vector<MapPoint> HighIntensityArea(const IntensityMap& map, double share);
+
+// Leader clustering (Kirmse et al., 2011): in the order given, a point joins the first cluster
+// whose leader is within radius (radians), else it founds one. Returns the leaders: of points that
+// come brightest first, the brightest of each cluster.
+std::vector<MapPoint> LeaderClustering(const std::vector<MapPoint>& points, double radius);
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,50 @@
+// Levenberg-Marquardt on the whole problem: Ceres over one compressed cost function.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimator/normal_equations.h"
+
+namespace turnlight::estimator {
+
+// Bounds of the solver's coordinates (design, section 3).
+inline constexpr double kMinShininess = 0.5;
+inline constexpr double kMaxShininess = 1e5;
+inline constexpr double kMaxRoughness = 1.5;         // radians of facet slope
+inline constexpr double kMaxInverseDistance = 0.95;  // in 1/R: a light stays outside the target
+
+// What is held to fix the scale between lights and reflectance.
+enum class Gauge {
+  kStrongestLight,  // the strongest light's intensity: good also where there is no diffuse part
+  kDiffuse,         // k_d: good where it is open which lights will stay
+};
+
+struct SolveOptions {
+  int max_iterations = 100;
+  double function_tolerance = 1e-10;  // stop when a step lowers the cost by less than this share
+  Gauge gauge = Gauge::kStrongestLight;
+  bool free_directions = true;
+  std::vector<bool> fixed_distance;  // per light; empty: all distances are free
+  EvaluateOptions evaluate;
+};
+
+struct Solution {
+  Scene scene;                       // in the observations' coordinates
+  NormalEquations equations;         // at the solution
+  std::vector<double> cost_history;  // before the first and after each iteration
+  std::vector<bool> free;            // per column: neither held nor at a bound
+  int iterations = 0;
+  bool converged = false;
+};
+
+// Solves from a start in the observations' coordinates. The largest albedo, and what options.gauge
+// names, keep the values they have in the start. Specular parameters are free unless the
+// model is kNone, roughness if the model is kOrenNayar. Deterministic for any number of threads.
+Solution Solve(const Observations& observations, const Scene& start, const SolveOptions& options);
+
+// Puts a scene in the gauge of the results: max(albedo) = 1, the strongest light has intensity 1,
+// lights strongest first. The pictures it makes do not change.
+Scene Normalised(const Scene& scene);
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,85 @@
+// Observations without a picture behind them: random surface points and views, for tests of the
+// kernel and the solver.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "base/random.h"
+#include "estimator/observations.h"
+#include "estimator/scene.h"
+
+namespace turnlight::estimator {
+
+inline Eigen::Vector3d RandomUnit(const RandomStream& random, std::uint64_t index) {
+  return Eigen::Vector3d(random.Normal(3 * index), random.Normal(3 * index + 1),
+                         random.Normal(3 * index + 2))
+      .normalized();
+}
+
+struct RandomPoint {
+  Eigen::Vector3d position, normal, viewer;
+};
+
+// Points of the unit ball's upper part seen from above, n.v at least 0.3; radiances are random, or
+// those of the scene if one is given.
+struct RandomObservations {
+  Observations observations;
+  std::vector<RandomPoint> points;
+
+  RandomObservations(std::size_t count, int channels, std::uint64_t seed,
+                     const Scene* scene = nullptr) {
+    const RandomStream random(seed, 7);
+    Observations& out = observations;
+    out.channels = channels;
+    const std::size_t size = (count + kTile - 1) / kTile * kTile;
+    for (int k = 0; k < 3; ++k) {
+      out.position[k].assign(size, 0.0f);
+      out.normal[k].assign(size, k == 2 ? 1.0f : 0.0f);
+      out.mirrored[k].assign(size, k == 2 ? 1.0f : 0.0f);
+      if (k < channels) out.radiance[k].assign(size, 0.0f);
+    }
+    for (auto& component : out.footprint) component.assign(size, 0);
+    out.pixel.assign(size, Observations::kNoPixel);
+    out.tile_footprint.assign(size / kTile, 0.0f);
+    out.tile_begin = {0, size / kTile};
+    out.used = count;
+    std::uint64_t draw = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      RandomPoint point;
+      do {
+        point.normal = RandomUnit(random, draw++);
+        point.viewer = RandomUnit(random, draw++);
+      } while (point.normal.dot(point.viewer) < 0.3 || point.normal.z() < -0.2);
+      point.position = point.normal * random.Uniform(1000000 + i, 0.5, 1.0);
+      Store(i, point);
+      for (int c = 0; c < channels; ++c)
+        out.radiance[c][i] = static_cast<float>(
+            scene ? Shade(*scene, points[i].position, points[i].normal, points[i].viewer)[c]
+                  : random.Uniform(2000000 + 3 * i + static_cast<std::uint64_t>(c)));
+    }
+  }
+
+ private:
+  // Rounds the geometry to float first, so that double and float see the same problem.
+  void Store(std::size_t i, RandomPoint point) {
+    Observations& out = observations;
+    const auto rounded = [](const Eigen::Vector3d& v) {
+      return Eigen::Vector3d(v.cast<float>().cast<double>());
+    };
+    point.position = rounded(point.position);
+    point.normal = rounded(point.normal);
+    const Eigen::Vector3d w =
+        rounded(2.0 * point.normal.dot(point.viewer) * point.normal - point.viewer);
+    point.viewer = 2.0 * point.normal.dot(w) * point.normal - w;
+    for (int k = 0; k < 3; ++k) {
+      out.position[k][i] = static_cast<float>(point.position[k]);
+      out.normal[k][i] = static_cast<float>(point.normal[k]);
+      out.mirrored[k][i] = static_cast<float>(w[k]);
+    }
+    out.pixel[i] = static_cast<std::uint32_t>(i);
+    points.push_back(point);
+  }
+};
+
+}  // namespace turnlight::estimator
