@@ -12,9 +12,11 @@ namespace turnlight::rig {
 // Decodes a picture from a file's bytes; `file` names it in messages, its extension picks the
 // format
 // (.png, .tif, .tiff, .exr). Colour comes as R, G, B. The header's size is checked against expected
-// (if not empty) before anything is decoded or allocated. Fails (kInput): unknown extension,
-// damaged or truncated data, wrong size, 2 or 4 channels, a depth other than 8, 16 or float 32
-// (half too, in OpenEXR).
+// (if not empty; otherwise at most 2^28 pixels) before anything is decoded or allocated.
+// Read are: PNG, grey or RGB, 8 or 16 bits; TIFF, grey or RGB, 8 or 16 bits or float 32, in rows
+// from the top left, uncompressed, LZW, deflate or PackBits; OpenEXR, one flat part with the
+// channels Y or R, G, B, half or float, which come as float. Fails (kInput): unknown extension,
+// damaged or truncated data, wrong size, anything else than the above, such as 2 or 4 channels.
 Result<cv::Mat> DecodeImage(const std::string& bytes, const std::filesystem::path& file,
                             cv::Size expected = {});
 

@@ -108,10 +108,11 @@ Result<cv::Mat> DecodePng(const std::string& bytes, const std::string& file, cv:
 Result<std::string> EncodePng(const cv::Mat& image, const std::string& file) {
   if (image.depth() != CV_8U && image.depth() != CV_16U)
     return InputError(file + ": PNG holds 8 and 16 bits, not this depth; use .tif or .exr");
-  cv::Mat bgr = image;
+  cv::Mat bgr;  // not the caller's pixels
   if (image.channels() == 3) cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
   std::vector<unsigned char> buffer;
-  if (!cv::imencode(".png", bgr, buffer)) return SystemError(file + ": cannot encode the PNG");
+  if (!cv::imencode(".png", bgr.empty() ? image : bgr, buffer))
+    return SystemError(file + ": cannot encode the PNG");
   return std::string(buffer.begin(), buffer.end());
 }
 

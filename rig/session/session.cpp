@@ -248,6 +248,7 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
   if (!session.camera) return report;  // its size is what every frame is checked against
   const auto target = ReadTarget(session);
   if (!target) report.problems.push_back(target.error().text);
+  report.session_good = report.problems.empty();
 
   std::vector<std::vector<std::string>> problems(session.frames.size());
   ParallelFor(problems.size(), [&](std::size_t i) { problems[i] = FrameProblems(session, i); });

@@ -71,13 +71,18 @@ Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame);
 Result<calib::TargetShape> ReadTarget(const Session& session);
 
 // What `turnlight verify` says: everything that is wrong with the session, one line each; empty
-// when all is well. Reads every file. `checked` counts the frames read.
+// when all is well. Reads every file, and goes on after a bad frame.
 struct VerifyReport {
   std::vector<std::string> problems;
   std::vector<std::string> remarks;  // not wrong, worth knowing: frames without a checksum, ...
-  std::size_t frames = 0;
-  std::string content_sha256;  // over session.json and all files it names; "" with problems
+  std::size_t frames = 0;            // read without a problem
+  bool session_good = false;         // what is wrong, if anything, is wrong with files of frames
+  // The SHA-256 of what `sha256sum` prints for session.json and all files it names, sorted by path:
+  // a line "<sha256>  <path>\n" each, paths as session.json has them. "" with problems. Files that
+  // session.json does not name (truth.json, provenance.jsonl) do not count.
+  std::string content_sha256;
 };
+// Fails only if there is no session.json to verify.
 Result<VerifyReport> VerifySession(const std::filesystem::path& root);
 
 }  // namespace turnlight::rig

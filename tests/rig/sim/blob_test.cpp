@@ -27,7 +27,7 @@ TEST(Blob, NormalsAreThoseOfTheSurface) {
     const Eigen::Vector3d d = along.normalized();
     return d * BlobRadius(kBlob, 5, d);
   };
-  for (const Eigen::Vector3d d :
+  for (const Eigen::Vector3d& d :
        {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-1, 0.1, -2), Eigen::Vector3d(0.2, -3, 0.4)}) {
     const Eigen::Vector3d unit = d.normalized();
     const Eigen::Vector3d a = unit.unitOrthogonal();
