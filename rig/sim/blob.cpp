@@ -1,5 +1,6 @@
 #include "rig/sim/blob.h"
 
+#include <Eigen/Geometry>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -32,7 +33,12 @@ Eigen::Vector3d NormalFrom(const Blob& blob, const Eigen::Vector3d& phases,
   return (d - tangential * (blob.radius * blob.depth / RadiusFrom(blob, phases, d))).normalized();
 }
 
-Eigen::Vector3d RoundedToFloat(const Eigen::Vector3d& v) { return v.cast<float>().cast<double>(); }
+// A call of its own: from -O2 on, the vectoriser of g++ 12 drops the rounding of (double)(float)x.
+[[gnu::noinline]] float ToFloat(double value) { return static_cast<float>(value); }
+
+Eigen::Vector3d RoundedToFloat(const Eigen::Vector3d& v) {
+  return {ToFloat(v.x()), ToFloat(v.y()), ToFloat(v.z())};
+}
 
 void Append(std::string& bytes, const Eigen::Vector3d& v) {
   for (int i = 0; i < 3; ++i) {

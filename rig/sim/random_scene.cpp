@@ -1,5 +1,6 @@
 #include "rig/sim/random_scene.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

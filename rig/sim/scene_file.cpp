@@ -1,5 +1,6 @@
 #include "rig/sim/scene_file.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 #include <limits>

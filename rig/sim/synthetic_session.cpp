@@ -1,5 +1,6 @@
 #include "rig/sim/synthetic_session.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
