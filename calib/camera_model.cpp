@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <numbers>
 #include <utility>
 
 #include "base/file.h"
@@ -36,6 +36,7 @@ struct Lens {
   mrcal_lensmodel_t model;
   std::vector<double> intrinsics;
   bool sees_behind;  // z <= 0 can be in the picture
+  bool never_folds;  // no two directions project to the same point
   double rounding;   // pixels that double precision loses in a projection
 };
 
@@ -124,28 +125,30 @@ Status CheckImagerSize(const std::vector<double>& size, const std::string& file)
 }
 
 Lens MakeLens(const std::string& name, const std::vector<double>& intrinsics) {
-  Lens lens{{}, intrinsics, false, 0.0};
+  Lens lens{{}, intrinsics, false, false, 0.0};
   mrcal_lensmodel_from_name(&lens.model, name.c_str());
-  // The moving entrance pupil of CAHVORE shifts where a pixel's ray starts and leaves its direction
-  // alone; without it the model is central.
-  if (lens.model.type == MRCAL_LENSMODEL_CAHVORE)
-    std::fill(lens.intrinsics.end() - 3, lens.intrinsics.end(), 0.0);
   lens.sees_behind = lens.model.type == MRCAL_LENSMODEL_CAHVORE ||
                      mrcal_lensmodel_metadata(&lens.model).can_project_behind_camera;
+  lens.never_folds = lens.model.type == MRCAL_LENSMODEL_PINHOLE ||
+                     lens.model.type == MRCAL_LENSMODEL_STEREOGRAPHIC ||
+                     lens.model.type == MRCAL_LENSMODEL_LONLAT ||
+                     lens.model.type == MRCAL_LENSMODEL_LATLON;
   double scale = 0.0;
   for (int i = 0; i < 4; ++i) scale += std::abs(intrinsics[static_cast<std::size_t>(i)]);
   lens.rounding = 16.0 * std::numeric_limits<double>::epsilon() * scale;
   return lens;
 }
 
-// mrcal prints a line for each point beyond the reach of a CAHVORE lens: keep those from it.
+// mrcal prints a line for each point beyond the reach of a CAHVORE lens: keep those from it where
+// they are known without its iteration, that is if the entrance pupil does not move.
 bool WithinCahvoreReach(const Lens& lens, const Vector3d& v) {
+  for (std::size_t i = 9; i < 12; ++i)
+    if (lens.intrinsics[i] != 0.0) return true;
   const double alpha = lens.intrinsics[4], beta = lens.intrinsics[5];
   const Vector3d axis(std::sin(alpha) * std::cos(beta), std::sin(beta),
                       std::cos(alpha) * std::cos(beta));
   const double theta = std::atan2(v.cross(axis).norm(), v.dot(axis));
-  const double linearity = std::abs(lens.model.LENSMODEL_CAHVORE__config.linearity);
-  return theta * linearity < 0.5 * 3.14159 && theta < 3.14;
+  return theta * std::abs(lens.model.LENSMODEL_CAHVORE__config.linearity) <= 0.5 * std::numbers::pi;
 }
 
 // The image point of a direction or position, and its derivatives if the model has them.
@@ -156,7 +159,9 @@ Vector2d ProjectOne(const Lens& lens, const Vector3d& v, Eigen::Matrix<double, 2
   if (!(length > 0.0) || !std::isfinite(length)) return failed;
   if (!lens.sees_behind && v.z() <= 0.0) return failed;
   if (cahvore && !WithinCahvoreReach(lens, v)) return failed;
-  const mrcal_point3_t p{{v.x(), v.y(), v.z()}};
+  // CAHVORE's moving entrance pupil is taken as it is at distance 1: the model is central.
+  const double scale = cahvore ? 1.0 / length : 1.0;
+  const mrcal_point3_t p{{scale * v.x(), scale * v.y(), scale * v.z()}};
   mrcal_point2_t q;
   std::array<mrcal_point3_t, 2> gradient;
   if (!mrcal_project(&q, derivatives ? gradient.data() : nullptr, nullptr, &p, 1, &lens.model,
@@ -196,8 +201,7 @@ Matrix2d TangentDerivative(const Lens& lens, const Vector3d& v,
 }
 
 // Newton's method on the unit sphere, with backtracking, from the guess v until v projects to q.
-// NaN if it does not get there, or if the lens folds over there: then the picture is mirrored
-// (negative determinant), which is beyond the reach of any lens.
+// NaN if it does not get there, or if the picture is mirrored there (negative determinant).
 Vector3d Refine(const Lens& lens, const Vector2d& q, Vector3d v) {
   const Vector3d failed = Vector3d::Constant(kNan);
   const double tolerance = kReprojectionTolerance + lens.rounding;
@@ -225,29 +229,39 @@ Vector3d Refine(const Lens& lens, const Vector2d& q, Vector3d v) {
   return failed;
 }
 
-// Where to start: mrcal's own answer, or, for the model it has none for, the pinhole's.
-void Guess(const Lens& lens, std::span<const mrcal_point2_t> q, std::span<mrcal_point3_t> v) {
-  const int count = static_cast<int>(q.size());
-  const double* core = lens.intrinsics.data();
-  if (lens.model.type == MRCAL_LENSMODEL_CAHVORE)
-    mrcal_unproject_pinhole(v.data(), nullptr, q.data(), count, core);
-  else if (!mrcal_unproject(v.data(), q.data(), count, &lens.model, core))
-    std::fill(v.begin(), v.end(), mrcal_point3_t{{kNan, kNan, kNan}});
+// Distortion polynomials fold the picture over beyond the reach of the real lens, and further out
+// other directions project into the picture once more. A ray is real if the picture stays
+// unmirrored all the way from the axis to it.
+bool Connected(const Lens& lens, const Vector3d& v) {
+  if (lens.never_folds) return true;
+  constexpr int kSamples = 16;
+  for (int i = 0; i < kSamples; ++i) {
+    const double t = static_cast<double>(i) / kSamples;
+    const Vector3d w = ((1.0 - t) * Vector3d::UnitZ() + t * v).normalized();
+    if (!(TangentDerivative(lens, w, TangentBasis(w)).determinant() > 0.0)) return false;
+  }
+  return true;
 }
 
-void UnprojectSpan(const Lens& lens, std::span<const Vector2d> points, std::span<Vector3d> rays) {
-  std::vector<mrcal_point2_t> q(points.size());
-  std::vector<mrcal_point3_t> v(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool finite = points[i].allFinite();
-    q[i] = {{finite ? points[i].x() : 0.0, finite ? points[i].y() : 0.0}};
-  }
-  Guess(lens, q, v);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector3d guess = Vector3d(v[i].x, v[i].y, v[i].z).normalized();
-    rays[i] = guess.allFinite() && points[i].allFinite() ? Refine(lens, points[i], guess)
-                                                         : Vector3d::Constant(kNan);
-  }
+// Where to start: mrcal's own answer, or, for the model it has none for, the pinhole's.
+Vector3d Guess(const Lens& lens, const Vector2d& point) {
+  const mrcal_point2_t q{{point.x(), point.y()}};
+  mrcal_point3_t v;
+  const double* core = lens.intrinsics.data();
+  if (lens.model.type == MRCAL_LENSMODEL_CAHVORE)
+    mrcal_unproject_pinhole(&v, nullptr, &q, 1, core);
+  else if (!mrcal_unproject(&v, &q, 1, &lens.model, core))
+    return Vector3d::Constant(kNan);
+  return Vector3d(v.x, v.y, v.z).normalized();
+}
+
+Vector3d UnprojectOne(const Lens& lens, const Vector2d& point) {
+  const Vector3d failed = Vector3d::Constant(kNan);
+  if (!point.allFinite()) return failed;
+  const Vector3d guess = Guess(lens, point);
+  if (!guess.allFinite()) return failed;
+  const Vector3d ray = Refine(lens, point, guess);
+  return ray.allFinite() && Connected(lens, ray) ? ray : failed;
 }
 
 }  // namespace
@@ -295,10 +309,8 @@ std::vector<Vector3d> CameraModel::Unproject(const std::vector<Vector2d>& points
   const Lens lens = MakeLens(lens_model_, intrinsics_);
   std::vector<Vector3d> rays(points.size());
   ParallelFor((points.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const std::size_t begin = chunk * kChunk;
-    const std::size_t count = std::min(kChunk, points.size() - begin);
-    UnprojectSpan(lens, std::span(points).subspan(begin, count),
-                  std::span(rays).subspan(begin, count));
+    const std::size_t end = std::min(points.size(), (chunk + 1) * kChunk);
+    for (std::size_t i = chunk * kChunk; i < end; ++i) rays[i] = UnprojectOne(lens, points[i]);
   });
   return rays;
 }
@@ -324,19 +336,23 @@ std::string CameraModel::ToString() const {
 }
 
 // Along a row each ray starts from its neighbours, which is several times faster than mrcal's
-// search and ends at the same place; where that does not get there, mrcal searches.
+// search and ends at the same place; where that does not lead on smoothly, mrcal searches.
 RayGrid::RayGrid(const CameraModel& camera) : width_(camera.width()), height_(camera.height()) {
   const Lens lens = MakeLens(camera.lens_model(), camera.intrinsics());
   const auto columns = static_cast<std::size_t>(width_) + 2;
   rays_.resize(columns * (static_cast<std::size_t>(height_) + 2));
   ParallelFor(static_cast<std::size_t>(height_) + 2, [&](std::size_t row) {
-    const std::span<Vector3d> rays = std::span(rays_).subspan(row * columns, columns);
+    Vector3d* rays = rays_.data() + row * columns;
     for (std::size_t i = 0; i < columns; ++i) {
       const Vector2d point(static_cast<double>(i) - 1.0, static_cast<double>(row) - 1.0);
-      rays[i].setConstant(kNan);
-      if (i >= 2 && rays[i - 1].allFinite() && rays[i - 2].allFinite())
-        rays[i] = Refine(lens, point, (2.0 * rays[i - 1] - rays[i - 2]).normalized());
-      if (rays[i].hasNaN()) UnprojectSpan(lens, {&point, 1}, rays.subspan(i, 1));
+      bool found = false;
+      if (i >= 2 && rays[i - 1].allFinite() && rays[i - 2].allFinite()) {
+        const Vector3d step = rays[i - 1] - rays[i - 2];
+        const Vector3d guess = (rays[i - 1] + step).normalized();
+        rays[i] = Refine(lens, point, guess);
+        found = (rays[i] - guess).norm() < step.norm();
+      }
+      if (!found) rays[i] = UnprojectOne(lens, point);
     }
   });
 }

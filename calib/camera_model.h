@@ -5,9 +5,8 @@
 // counts only if mrcal projects it back to its pixel. Pixel (0, 0) is the centre of the top-left
 // pixel, as in mrcal.
 //
-// The model is central: all rays start at the origin of C. The entrance pupil of CAHVORE moves along
-// the axis with the angle (its last three intrinsics); that moves where a ray starts, not its
-// direction, and is neglected, as for targets that are far compared with the lens.
+// The model is central: all rays start at the origin of C. CAHVORE's entrance pupil moves with the
+// angle (its last three intrinsics); it is taken as mrcal 2.2 does, the same at every distance.
 #pragma once
 
 #include <filesystem>

@@ -107,13 +107,11 @@ TEST(CameraModel, CahvoreReducesToCahvor) {
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LT((a[i] - b[i]).norm(), 1e-9);
 }
 
-// A pixel's ray starts elsewhere when the pupil moves, and points the same way.
 TEST(CameraModel, CahvoreIsCentral) {
-  auto lens = Lens("LENSMODEL_CAHVORE_linearity=0.37");
+  const auto lens = Lens("LENSMODEL_CAHVORE_linearity=0.37");
   ASSERT_NE(lens.intrinsics.back(), 0.0);
-  const auto moving = Model(lens).Unproject({{20.0, 30.0}});
-  const auto points = Model(lens).Project({moving[0], 1000.0 * moving[0]});
-  EXPECT_LT((points[0] - points[1]).norm(), 1e-6);
+  const auto points = Model(lens).Project({{-0.45, -0.3, 0.8}, {-450.0, -300.0, 800.0}});
+  EXPECT_LT((points[0] - points[1]).norm(), 1e-9);
 }
 
 class EveryLens : public testing::TestWithParam<LensExample> {};
@@ -123,11 +121,18 @@ TEST_P(EveryLens, ProjectInvertsUnproject) {
   const auto points = PointsOver(640, 480, 2000);
   const auto rays = camera.Unproject(points);
   const auto back = camera.Project(rays);
+  mrcal_lensmodel_t mrcal_lens;
+  ASSERT_TRUE(mrcal_lensmodel_from_name(&mrcal_lens, GetParam().name.c_str()));
   double worst = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     ASSERT_TRUE(rays[i].allFinite()) << points[i].transpose();
     ASSERT_NEAR(rays[i].norm(), 1.0, 1e-14);
     worst = std::max(worst, (back[i] - points[i]).norm());
+    const mrcal_point3_t p{{rays[i].x(), rays[i].y(), rays[i].z()}};
+    mrcal_point2_t q;
+    ASSERT_TRUE(
+        mrcal_project(&q, nullptr, nullptr, &p, 1, &mrcal_lens, GetParam().intrinsics.data()));
+    worst = std::max(worst, (Vector2d(q.x, q.y) - points[i]).norm());
   }
   EXPECT_LT(worst, 1e-6);
 }
@@ -171,18 +176,41 @@ INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens, testing::ValuesIn(LensExamples()),
                          });
 
 // Strong barrel distortion folds the picture over: radius (1 - 0.5 r^2) r has its maximum at
-// r = 0.816, 0.544 in the picture. Points beyond have no ray; the mirrored branch must not answer.
+// r = 0.8165, 0.5443 in the picture. Points beyond have no ray: neither the mirrored branch behind
+// the fold nor the one further out, turned by half a turn, may answer.
+const LensExample kFolding{"LENSMODEL_OPENCV4", {400.0, 400.0, 320.0, 240.0, -0.5, 0.0, 0.0, 0.0}};
+constexpr double kReach = 400.0 * 0.5443;
+
+double TangentOf(const Vector3d& ray) { return ray.head<2>().norm() / ray.z(); }
+
 TEST(CameraModel, BeyondReachIsNan) {
-  const LensExample lens{"LENSMODEL_OPENCV4", {400.0, 400.0, 320.0, 240.0, -0.5, 0.0, 0.0, 0.0}};
-  const double reach = 400.0 * 0.5443;
-  const auto rays = Model(lens).Unproject({{320.0 + 0.98 * reach, 240.0},
-                                           {320.0 + 1.02 * reach, 240.0},
-                                           {320.0, 240.0 - 1.5 * reach},
-                                           {NAN, 240.0},
-                                           {INFINITY, 240.0}});
-  EXPECT_TRUE(rays[0].allFinite());
-  EXPECT_LT(rays[0].x() / rays[0].z(), 0.8165);
-  for (std::size_t i = 1; i < rays.size(); ++i) EXPECT_TRUE(rays[i].hasNaN()) << i;
+  std::vector<Vector2d> points;
+  for (int row = 0; row < 480; row += 3)
+    for (int column = 0; column < 640; column += 3) points.emplace_back(column, row);
+  const auto rays = Model(kFolding).Unproject(points);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const double radius = (points[i] - Vector2d(320, 240)).norm();
+    if (radius < 0.999 * kReach) {
+      ASSERT_LT(TangentOf(rays[i]), 0.8165) << points[i].transpose();
+    } else if (radius > 1.001 * kReach) {
+      ASSERT_TRUE(rays[i].hasNaN()) << points[i].transpose();
+    }
+  }
+}
+
+TEST(CameraModel, NotFinitePointsGiveNan) {
+  const auto rays = Model(kFolding).Unproject({{NAN, 240.0}, {320.0, INFINITY}, {-1e300, 1e300}});
+  for (const Vector3d& ray : rays) EXPECT_TRUE(ray.hasNaN());
+}
+
+// Behind the fold a direction projects into the picture, upside down.
+TEST(CameraModel, ProjectedDirectionsBehindTheFoldDoNotComeBack) {
+  const auto camera = Model(kFolding);
+  const Vector3d behind(1.6, 0.0, 1.0);
+  const auto point = camera.Project({behind});
+  ASSERT_LT(point[0].x(), 320.0);
+  ASSERT_GT(point[0].x(), 320.0 - kReach);
+  EXPECT_LT(TangentOf(camera.Unproject(point)[0]), 0.8165);
 }
 
 TEST(CameraModel, NoPointsNoRays) {
@@ -254,12 +282,21 @@ TEST(RayGrid, DifferentialMatchesFiniteDifferences) {
 }
 
 TEST(RayGrid, BeyondReachIsNan) {
-  const LensExample lens{"LENSMODEL_OPENCV4", {400.0, 400.0, 320.0, 240.0, -0.5, 0.0, 0.0, 0.0}};
-  const RayGrid grid(Model(lens));
-  EXPECT_TRUE(grid.Ray(0, 0).hasNaN());
+  const RayGrid grid(Model(kFolding));
   EXPECT_TRUE(grid.Ray(0, 0, 0.3, 0.3).hasNaN());
   EXPECT_TRUE(grid.Differential(0, 0).hasNaN());
   EXPECT_TRUE(grid.Ray(320, 240, 0.5, -0.5).allFinite());
+  for (int row = 0; row < 480; ++row) {
+    for (int column = 0; column < 640; ++column) {
+      const double radius = Vector2d(column - 320, row - 240).norm();
+      const Vector3d ray = grid.Ray(column, row);
+      if (radius < 0.999 * kReach) {
+        ASSERT_LT(TangentOf(ray), 0.8165) << column << " " << row;
+      } else if (radius > 1.001 * kReach) {
+        ASSERT_TRUE(ray.hasNaN()) << column << " " << row;
+      }
+    }
+  }
 }
 
 TEST(RayGrid, OnePixel) {
