@@ -87,7 +87,9 @@ std::string ConfigurationProblem(const mrcal_lensmodel_t& model, const std::stri
 
 Result<mrcal_lensmodel_t> ParseLensModel(const std::string& name, const std::string& file) {
   const auto refuse = [&](const std::string& why) {
-    return InputError(file + ": 'lensmodel': '" + name.substr(0, 100) + "' " + why);
+    std::string shown = name.substr(0, 100);
+    for (char& c : shown) c = c >= ' ' && c <= '~' ? c : '?';
+    return InputError(file + ": 'lensmodel': '" + shown + "' " + why);
   };
   mrcal_lensmodel_t model{};
   const mrcal_lensmodel_type_t type = mrcal_lensmodel_type_from_name(name.c_str());
