@@ -1,0 +1,302 @@
+#include "estimator/picture_plots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "base/angles.h"
+#include "estimator/picture_canvas.h"
+
+namespace turnlight::estimator {
+namespace {
+
+using Eigen::Vector3d;
+
+const std::string kDegree = "\xC2\xB0";
+constexpr int kTitleHeight = 44;  // from the page's top to a part below its title
+constexpr int kBarWidth = 16;
+
+// A swatch with its meaning, beginning at `at`.
+void DrawSwatch(cv::Mat3b& page, cv::Point at, const cv::Vec3b& color, const std::string& text) {
+  Place(page, cv::Mat3b(11, 11, color), at - cv::Point(0, 5));
+  DrawText(page, text, {at.x + 18.0, double(at.y)}, kLabel, Align::kLeft);
+}
+
+double RootMeanSquare(const cv::Mat1f& residual, int* count) {
+  double sum = 0.0;
+  *count = 0;
+  for (const float value : residual) {
+    if (std::isnan(value)) continue;
+    sum += double{value} * value;
+    ++*count;
+  }
+  return *count > 0 ? std::sqrt(sum / *count) : 0.0;
+}
+
+// ---- The intensity map.
+
+// Azimuth 0..360 and zenith 0..180 of a direction, in degrees.
+cv::Point2d ToAngles(const Vector3d& direction) {
+  const double azimuth = RadToDeg(std::atan2(direction.y(), direction.x()));
+  return {azimuth < 0.0 ? azimuth + 360.0 : azimuth,
+          RadToDeg(std::acos(std::clamp(direction.z(), -1.0, 1.0)))};
+}
+
+struct MapFrame {
+  cv::Rect area;
+  cv::Point2d ToPage(const cv::Point2d& angles_deg) const {
+    return {area.x - 0.5 + angles_deg.x / 360.0 * area.width,
+            area.y - 0.5 + angles_deg.y / 180.0 * area.height};
+  }
+};
+
+// A light line with a dark edge: seen on any colour of the map.
+void DrawMark(cv::Mat3b& page, const std::vector<cv::Point2d>& path) {
+  DrawPath(page, path, kInk, 3);
+  DrawPath(page, path, kPaper, 1);
+}
+
+// The circle of angular radius `radius` about a direction; cut where it leaves the map at 0 or 360.
+void DrawCircleOnSphere(cv::Mat3b& page, const MapFrame& frame, const Vector3d& center,
+                        double radius) {
+  const Vector3d a = center.unitOrthogonal();
+  const Vector3d b = center.cross(a);
+  std::vector<cv::Point2d> path;
+  constexpr int kSteps = 180;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = 2.0 * CV_PI * i / kSteps;
+    const cv::Point2d point =
+        frame.ToPage(ToAngles(std::cos(radius) * center +
+                              std::sin(radius) * (std::cos(angle) * a + std::sin(angle) * b)));
+    if (!path.empty() && std::abs(point.x - path.back().x) > 0.5 * frame.area.width)
+      DrawMark(page, std::exchange(path, {}));
+    path.push_back(point);
+  }
+  DrawMark(page, path);
+}
+
+constexpr double kRing = 9.0;
+
+void DrawRing(cv::Mat3b& page, cv::Point2d at) {
+  std::vector<cv::Point2d> path;
+  for (int i = 0; i <= 72; ++i)
+    path.push_back(at + kRing * cv::Point2d(std::cos(i * CV_PI / 36), std::sin(i * CV_PI / 36)));
+  DrawMark(page, path);
+}
+
+void DrawLight(cv::Mat3b& page, const MapFrame& frame, const LightEstimate& light, int number) {
+  const Vector3d& direction = light.direction_at_reference;
+  const cv::Point2d at = frame.ToPage(ToAngles(direction));
+  const double radius = 3.0 * light.direction_sigma;
+  if (std::isfinite(radius) && RadToDeg(radius) / 180.0 * frame.area.height > 1.0)
+    DrawCircleOnSphere(page, frame, direction, std::min(radius, CV_PI / 2));
+  DrawRing(page, at);
+  const std::string label = std::to_string(number);
+  const bool near_right = at.x + kRing + 24 > frame.area.x + frame.area.width;
+  const cv::Point2d text(near_right ? at.x - kRing - 5 : at.x + kRing + 5, at.y);
+  const Align align = near_right ? Align::kRight : Align::kLeft;
+  for (const cv::Point2d& halo : {cv::Point2d(-1, 0), {1, 0}, {0, -1}, {0, 1}})
+    DrawText(page, label, text + halo, kCaption, align, kInk);
+  DrawText(page, label, text, kCaption, align, kPaper);
+}
+
+std::string DescribeLight(const LightEstimate& light, int number) {
+  const cv::Point2d angles = ToAngles(light.direction_at_reference);
+  std::string text = std::to_string(number) + ":  azimuth " + FormatFixed(angles.x, 2) + kDegree +
+                     ",  zenith " + FormatFixed(angles.y, 2) + kDegree;
+  if (std::isfinite(light.direction_sigma))
+    text += ",  3 sigma " + FormatNumber(RadToDeg(3.0 * light.direction_sigma)) + kDegree;
+  return text + ",  intensity " + FormatNumber(light.light.intensity);
+}
+
+// ---- The plot.
+
+struct LogAxis {
+  double low = 0.0, high = 0.0;  // decimal logarithms
+  double At(double value) const { return (high - std::log10(value)) / (high - low); }
+};
+
+// Whole decades around the values; at least one.
+LogAxis DecadesAround(double low, double high) {
+  LogAxis axis{std::floor(std::log10(low) + 1e-9), std::ceil(std::log10(high) - 1e-9)};
+  if (axis.high <= axis.low) axis.high = axis.low + 1.0;
+  return axis;
+}
+
+std::vector<Tick> LogTicks(const LogAxis& axis) {
+  const int decades = static_cast<int>(std::lround(axis.high - axis.low));
+  const int step = std::max(1, (decades + 7) / 8);
+  std::vector<Tick> ticks;
+  for (int decade = 0; decade <= decades; ++decade) {
+    const double value = std::pow(10.0, axis.low + decade);
+    ticks.push_back({axis.At(value), decade % step == 0 ? FormatNumber(value) : ""});
+    if (decade == decades || step > 1) continue;
+    for (int digit = 2; digit <= 9; ++digit) {
+      const bool labelled = decades <= 2 && (digit == 2 || digit == 5);
+      ticks.push_back({axis.At(digit * value), labelled ? FormatNumber(digit * value) : ""});
+    }
+  }
+  return ticks;
+}
+
+std::vector<Tick> IterationTicks(int first, int last) {
+  const int span = std::max(last - first, 1);
+  const int step = std::max(1, static_cast<int>(RoundUp(span / 8.0)));
+  std::vector<Tick> ticks;
+  for (int i = (first + step - 1) / step * step; i <= last; i += step)
+    ticks.push_back({double(i - first) / span, std::to_string(i)});
+  return ticks;
+}
+
+void DrawGrid(cv::Mat3b& page, const cv::Rect& area, const std::vector<Tick>& across,
+              const std::vector<Tick>& down) {
+  const double left = area.x - 0.5, top = area.y - 0.5;
+  for (const Tick& tick : across)
+    DrawPath(page,
+             {{left + tick.at * area.width, top}, {left + tick.at * area.width, top + area.height}},
+             kFaint, 1);
+  for (const Tick& tick : down)
+    if (!tick.label.empty())
+      DrawPath(
+          page,
+          {{left, top + tick.at * area.height}, {left + area.width, top + tick.at * area.height}},
+          kFaint, 1);
+}
+
+}  // namespace
+
+double ResidualRange(const std::vector<cv::Mat1f>& residuals) {
+  std::vector<float> sizes;
+  for (const cv::Mat1f& residual : residuals)
+    for (const float value : residual) sizes.push_back(std::abs(value));
+  return RoundUp(Percentile(std::move(sizes), 0.995));
+}
+
+cv::Mat3b ResidualPicture(const cv::Mat1f& residual, double range, int enlarge,
+                          const std::string& title) {
+  cv::Mat3b colors(residual.size());
+  for (int row = 0; row < residual.rows; ++row)
+    for (int column = 0; column < residual.cols; ++column)
+      colors(row, column) = DivergingColor(residual(row, column) / range);
+  cv::resize(colors, colors, {}, enlarge, enlarge, cv::INTER_NEAREST);
+
+  constexpr int kBarLabels = 76;
+  const cv::Rect area({kMargin, kTitleHeight}, colors.size());
+  cv::Mat3b page = Page(area.width + 3 * kMargin + kBarWidth + kBarLabels,
+                        area.height + kTitleHeight + kMargin + 24);
+  DrawText(page, title, {kMargin, 0.5 * kTitleHeight}, kCaption, Align::kLeft);
+  Place(page, colors, area.tl());
+  const auto label = [&](double share) {
+    const std::string number = FormatNumber(share * range);
+    return share > 0.0 ? "+" + number : number;
+  };
+  const cv::Rect bar(area.x + area.width + kMargin, area.y, kBarWidth, area.height);
+  DrawColorBar(page, bar, [](double t) { return DivergingColor(2.0 * t - 1.0); },
+               {{0.0, label(-1.0)},
+                {0.25, label(-0.5)},
+                {0.5, label(0.0)},
+                {0.75, label(0.5)},
+                {1.0, label(1.0)}});
+  DrawText(page, "share of white", {page.cols - 0.5 * kMargin, 0.5 * kTitleHeight}, kLabel,
+           Align::kRight);
+  int observed = 0;
+  const double rms = RootMeanSquare(residual, &observed);
+  const int below = area.y + area.height + 24;
+  DrawText(page,
+           observed > 0
+               ? "rms " + FormatNumber(rms) + " over " + std::to_string(observed) + " pixels"
+               : "nothing observed",
+           {kMargin, double(below)}, kLabel, Align::kLeft);
+  DrawSwatch(page, {area.x + area.width - 110, below}, kUnobserved, "not observed");
+  return page;
+}
+
+cv::Mat3b IntensityPicture(const IntensityMap& map, const std::vector<LightEstimate>& lights) {
+  const cv::Mat1f& intensity = map.intensity;
+  const double brightest = Percentile({intensity.begin(), intensity.end()}, 1.0);
+  const double top = brightest > 0.0 ? brightest : 1.0;
+  cv::Mat3b colors(intensity.size());
+  for (int row = 0; row < colors.rows; ++row)
+    for (int column = 0; column < colors.cols; ++column)
+      colors(row, column) = SequentialColor(intensity(row, column) / top);
+  const cv::Size size(1080, 540);
+  const bool fits = size.width % colors.cols == 0 && size.height % colors.rows == 0;
+  cv::resize(colors, colors, size, 0, 0, fits ? cv::INTER_NEAREST : cv::INTER_LINEAR);
+
+  constexpr int kLeft = 84, kBelow = 60, kBarLabels = 60, kLine = 22;
+  const MapFrame frame{{{kLeft, kTitleHeight}, colors.size()}};
+  const cv::Rect& area = frame.area;
+  const int lines = static_cast<int>(lights.size());
+  cv::Mat3b page = Page(kLeft + area.width + 2 * kMargin + kBarWidth + kBarLabels,
+                        area.y + area.height + kBelow + lines * kLine + kMargin);
+  DrawText(page, "Intensity by reflected direction, and the lights found",
+           {kLeft, 0.5 * kTitleHeight}, kCaption, Align::kLeft);
+  Place(page, colors, area.tl());
+  for (int i = 0; i < lines; ++i) DrawLight(page, frame, lights[i], i + 1);
+
+  std::vector<Tick> across, down;
+  for (int deg = 0; deg <= 360; deg += 30)
+    across.push_back({deg / 360.0, std::to_string(deg) + kDegree});
+  for (int deg = 0; deg <= 180; deg += 30)
+    down.push_back({deg / 180.0, std::to_string(deg) + kDegree});
+  DrawTicksBelow(page, area, across);
+  DrawTicksLeft(page, area, down);
+  DrawText(page, "azimuth", {area.x + 0.5 * area.width, area.y + area.height + 44.0}, kLabel,
+           Align::kCenter);
+  DrawTextUpwards(page, "zenith angle", {22.0, area.y + 0.5 * area.height}, kLabel);
+  const cv::Rect bar(area.x + area.width + kMargin, area.y, kBarWidth, area.height);
+  std::vector<Tick> ticks;
+  const double step = RoundUp(top / 6.0);
+  for (int i = 0; i * step <= top * (1.0 + 1e-9); ++i)
+    ticks.push_back({i * step / top, FormatNumber(i * step)});
+  DrawColorBar(page, bar, SequentialColor, ticks);
+  DrawText(page, "share of white", {page.cols - 0.5 * kMargin, 0.5 * kTitleHeight}, kLabel,
+           Align::kRight);
+  DrawSwatch(page, {area.x + area.width - 110, area.y + area.height + 44}, kUnseen, "not seen");
+  for (int i = 0; i < lines; ++i)
+    DrawText(page, DescribeLight(lights[i], i + 1),
+             {kLeft, area.y + area.height + kBelow + (i + 0.5) * kLine}, kLabel, Align::kLeft);
+  return page;
+}
+
+cv::Mat3b ConvergencePicture(const std::vector<IterationRecord>& history) {
+  std::vector<IterationRecord> records = history;
+  std::erase_if(records,
+                [](const IterationRecord& r) { return !(r.rms > 0.0 && std::isfinite(r.rms)); });
+  cv::Mat3b page = Page(760, 480);
+  DrawText(page, "Residual by iteration", {92, 0.5 * kTitleHeight}, kCaption, Align::kLeft);
+  const cv::Rect area(92, kTitleHeight, page.cols - 92 - kMargin - 8,
+                      page.rows - kTitleHeight - 66);
+  int first = history.front().iteration, last = first;
+  double low = records.empty() ? 1.0 : records.front().rms, high = low;
+  for (const IterationRecord& record : records) {
+    first = std::min(first, record.iteration);
+    last = std::max(last, record.iteration);
+    low = std::min(low, record.rms);
+    high = std::max(high, record.rms);
+  }
+  const LogAxis axis = DecadesAround(low, high);
+  const std::vector<Tick> across = IterationTicks(first, last);
+  const std::vector<Tick> down = LogTicks(axis);
+  DrawGrid(page, area, across, down);
+  Place(page, page(area).clone(), area.tl());
+  DrawTicksBelow(page, area, across);
+  DrawTicksLeft(page, area, down);
+  DrawText(page, "iteration", {area.x + 0.5 * area.width, area.y + area.height + 46.0}, kLabel,
+           Align::kCenter);
+  DrawTextUpwards(page, "residual rms (share of white)", {22.0, area.y + 0.5 * area.height},
+                  kLabel);
+  std::vector<cv::Point2d> path;
+  for (const IterationRecord& record : records)
+    path.emplace_back(
+        area.x - 0.5 + area.width * double(record.iteration - first) / std::max(last - first, 1),
+        area.y - 0.5 + axis.At(record.rms) * area.height);
+  const cv::Vec3b color = DivergingColor(-0.9);
+  DrawPath(page, path, color, 2);
+  if (path.size() <= 60)
+    for (const cv::Point2d& point : path) DrawDisc(page, point, 3.5, color);
+  return page;
+}
+
+}  // namespace turnlight::estimator
