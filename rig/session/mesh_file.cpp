@@ -92,7 +92,7 @@ Result<std::vector<Triangle>> TrianglesOf(const PolygonMesh& mesh, const std::st
     const auto parts = Triangulate(corners);
     if (parts.empty())
       return InputError(file + ": face " + std::to_string(f) +
-                        " crosses itself, allowed are simple polygons");
+                        " has no area or crosses itself, allowed are simple polygons");
     for (const auto& part : parts) {
       const auto corner = [&](int k) {
         return mesh.corners[start + static_cast<std::size_t>(part[static_cast<std::size_t>(k)])];

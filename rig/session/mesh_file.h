@@ -21,9 +21,9 @@ namespace turnlight::rig {
 // be the first two; coordinates have the precision of float. Of an OBJ the lines v, vn and f.
 //
 // Fails (kInput): no faces, an index out of range, coordinates or normals that are not finite or
-// above 1e18, a normal of length 0, normals at some corners only, a polygon that crosses itself,
-// more than 2^26 triangles, normals against the winding on more than 5 % of the faces, damaged or
-// truncated data.
+// above 1e18, a normal of length 0, normals at some corners only, a polygon of 4 or more corners
+// that cannot be cut into triangles, more than 2^26 triangles, normals against the winding on more
+// than 5 % of the faces, damaged or truncated data.
 Result<calib::MeshShape> ReadMesh(const std::filesystem::path& path);
 // The same from a file's bytes; `file` names it in messages and its extension picks the format.
 Result<calib::MeshShape> ParseMesh(const std::string& bytes, const std::filesystem::path& file);

@@ -151,10 +151,11 @@ Status CheckHeader(const Header& header, const std::string& bytes, const std::st
       return InputError(file + ": PLY list property " + property.name +
                         " of vertices, allowed are single values");
   const auto& properties = face.properties;
-  if (std::count_if(properties.begin(), properties.end(), IsIndexList) != 1 ||
+  if (properties.empty() || !IsIndexList(properties[0]) ||
       std::count_if(properties.begin(), properties.end(), IsList) != 1)
-    return InputError(file + ": the PLY faces have no list or several, allowed is one list," +
-                      " vertex_indices");
+    return InputError(file +
+                      ": the PLY faces have another list than vertex_indices or do not begin" +
+                      " with it, allowed is one list, vertex_indices, and single values after it");
   for (const Element& element : {vertex, face})
     if (element.count > bytes.size())
       return InputError(file + ": truncated PLY: " + std::to_string(element.count) + " elements " +

@@ -1,6 +1,7 @@
 #include "rig/session/session_json.h"
 
 #include <algorithm>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -30,10 +31,12 @@ void Collect(const Status& status, std::vector<std::string>& problems) {
 // JSON has no NaN, but some writers print it; the parser's message would not say which key it was.
 std::string NotANumberHint(const std::string& text) {
   for (const std::string word : {"NaN", "Infinity"}) {
-    const std::size_t at = text.find(word);
+    std::size_t at = text.find(word);
+    while (at != std::string::npos && (at == 0 || !std::strchr(" \t\r\n:[,-", text[at - 1])))
+      at = text.find(word, at + 1);
     const std::size_t end = at == std::string::npos ? at : text.rfind("\":", at);
     const std::size_t start = end == std::string::npos || end == 0 ? end : text.rfind('"', end - 1);
-    if (start == std::string::npos || end == std::string::npos) continue;
+    if (start == std::string::npos || end == std::string::npos || start >= end) continue;
     return ": " + text.substr(start + 1, end - start - 1) + " holds " + word +
            ", allowed are finite numbers";
   }

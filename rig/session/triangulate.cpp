@@ -67,9 +67,12 @@ std::vector<Triangle> Triangulate(const std::vector<Eigen::Vector3d>& corners) {
   bool covers = true;
   for (int i = 1; i + 1 < static_cast<int>(corners.size()); ++i) {
     fan.push_back({0, i, i + 1});
-    covers = covers && Turn(corners, normal, 0, i, i + 1) >= 0.0;
+    const double turn = Turn(corners, normal, 0, i, i + 1);
+    // A turn of exactly 0 is a triangle without area, unless the halves of a bow tie cancelled.
+    covers = covers && (turn > 0.0 || (turn == 0.0 && !normal.isZero(0.0)) || corners.size() == 3);
   }
-  return covers ? fan : ClipEars(corners, normal);
+  if (covers) return fan;
+  return normal.isZero(0.0) ? std::vector<Triangle>() : ClipEars(corners, normal);
 }
 
 }  // namespace turnlight::rig

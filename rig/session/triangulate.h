@@ -7,9 +7,10 @@
 
 namespace turnlight::rig {
 
-// Positions in the list of a simple polygon's corners (3 or more, nearly flat, either winding
-// kept), three a triangle: a fan from corner 0 where that covers the polygon, otherwise ear
-// clipping, which takes time with the cube of the corners. Empty if the polygon crosses itself.
+// Triangles that cover a simple, nearly flat polygon of 3 or more corners, as positions in the list
+// of corners, with the polygon's winding: a fan from corner 0 where that covers it, otherwise ear
+// clipping, which takes time with the cube of the corners. Empty if there are none: the polygon has
+// no area, or crosses itself in a way that leaves no ear (not every crossing does).
 std::vector<std::array<int, 3>> Triangulate(const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace turnlight::rig
