@@ -30,7 +30,7 @@ double Turn(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& 
 // corner lies in its triangle.
 bool IsEar(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& normal,
            const std::vector<int>& ring, const Triangle& ear) {
-  const auto [a, b, c] = ear;
+  const int a = ear[0], b = ear[1], c = ear[2];  // clang 14 captures no structured bindings
   if (Turn(corners, normal, a, b, c) <= 0.0) return false;
   return std::none_of(ring.begin(), ring.end(), [&](int p) {
     return p != a && p != b && p != c && Turn(corners, normal, a, b, p) >= 0.0 &&

@@ -1,0 +1,34 @@
+// The first byte says what the rest is: '0' a PLY, '1' an OBJ. Refused with a message that names
+// the file, or a mesh whose indices, normals and coordinates are sound.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "rig/session/mesh_file.h"
+
+namespace {
+
+void Require(bool condition) {
+  if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string file = data[0] % 2 == 0 ? "fuzz.ply" : "fuzz.obj";
+  const auto mesh =
+      turnlight::rig::ParseMesh({reinterpret_cast<const char*>(data) + 1, size - 1}, file);
+  if (!mesh) {
+    Require(mesh.error().text.starts_with(file));
+    return 0;
+  }
+  Require(!mesh->faces.empty() && mesh->normals.size() == mesh->vertices.size());
+  for (const Eigen::Vector3i& face : mesh->faces)
+    Require(face.minCoeff() >= 0 && face.maxCoeff() < static_cast<int>(mesh->vertices.size()));
+  for (const Eigen::Vector3d& vertex : mesh->vertices) Require(vertex.allFinite());
+  for (const Eigen::Vector3d& normal : mesh->normals)
+    Require(std::abs(normal.norm() - 1.0) < 1e-12);
+  return 0;
+}
