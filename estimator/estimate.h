@@ -12,6 +12,7 @@
 #include "estimator/geometry.h"
 #include "estimator/intensity_map.h"
 #include "estimator/keyframe.h"
+#include "estimator/model_selection.h"
 #include "estimator/scene.h"
 
 namespace turnlight::estimator {
@@ -53,11 +54,6 @@ struct ReflectanceSigma {
   std::optional<double> shininess, roughness;
 };
 
-struct Rung {  // one decision about the model, in the order they were taken
-  std::string rung;
-  bool accepted = false;
-  std::string why;
-};
 struct Note {
   std::string code;  // stable, such as "views-add-nothing"
   std::string text;

@@ -185,6 +185,11 @@ Candidate FitAndEliminate(const Observations& sample, const Scene& start, double
     if (!MergeAndPrune(scene) || scene.lights.empty()) break;
     best = Refit(sample, scene, 20, noise);
   }
+  return Eliminate(sample, best.scene, noise);
+}
+
+Candidate Eliminate(const Observations& sample, const Scene& fitted, double noise) {
+  Candidate best = Refit(sample, fitted, 40, noise);
   while (best.scene.lights.size() > 1) {
     Candidate fewer = BestWithoutOne(sample, best, noise);
     if (fewer.excess >= kEliminationRatio * best.excess) break;

@@ -34,6 +34,9 @@ struct Candidate {
 };
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise);
 
+// The last part of it, from a scene that is already a fit.
+Candidate Eliminate(const Observations& sample, const Scene& fitted, double noise);
+
 // The residual variance per value above noise^2, at least a floor that stands for what the model
 // cannot describe anyway.
 double ExcessVariance(double cost, const Observations& observations, double noise);

@@ -59,8 +59,8 @@ void FillOrenNayar(KernelModel& model, const Reflectance& reflectance) {
   model.oren_nayar = reflectance.diffuse_model == DiffuseModel::kOrenNayar;
   model.oren_nayar_a = 1.0 - 0.5 * v / (v + 0.33);
   model.oren_nayar_b = 0.45 * v / (v + 0.09);
-  model.oren_nayar_da = -0.5 * 2.0 * s * 0.33 / ((v + 0.33) * (v + 0.33));
-  model.oren_nayar_db = 0.45 * 2.0 * s * 0.09 / ((v + 0.09) * (v + 0.09));
+  model.oren_nayar_da = -0.5 * 0.33 / ((v + 0.33) * (v + 0.33));
+  model.oren_nayar_db = 0.45 * 0.09 / ((v + 0.09) * (v + 0.09));
 }
 
 // A model in the kernel's form; the lights live beside it.

@@ -16,7 +16,9 @@
 
 namespace turnlight::estimator {
 
-// Where each parameter's row and column stand. Shininess is in log; directions are two tangent
+// Where each parameter's row and column stand. Shininess is in log; Oren-
+// Nayar's roughness by its square, for the model is even in it and a start at 0 would not move;
+// directions are two tangent
 // coordinates in TangentBasis(u); inverse distances are in units of 1/R, as all of a Scene here.
 struct Columns {
   int channels = 3;
@@ -27,7 +29,7 @@ struct Columns {
   int Diffuse() const { return channels + 1; }
   int Specular() const { return channels + 2; }
   int LogShininess() const { return channels + 3; }
-  int Roughness() const { return channels + 4; }
+  int RoughnessSquared() const { return channels + 4; }
   int Intensity(int light) const { return channels + 5 + 4 * light; }
   int Tangent(int light) const { return Intensity(light) + 1; }  // and the next
   int InverseDistance(int light) const { return Intensity(light) + 3; }

@@ -159,7 +159,8 @@ bool ChannelsAreEqual(const std::vector<Keyframe>& keyframes) {
 
 void Resize(Observations& out, std::size_t size) {
   for (int i = 0; i < 3; ++i) {
-    // Filling has a unit normal and view, so that nothing it computes before its weight of 0 is NaN.
+    // Filling has a unit normal and view, so that nothing it computes before its weight of 0 is
+    // NaN.
     const float unit = i == 2 ? 1.0f : 0.0f;
     out.position[i].assign(size, 0.0f);
     out.normal[i].assign(size, unit);

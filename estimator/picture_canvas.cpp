@@ -179,9 +179,16 @@ void DrawColorBar(cv::Mat3b& page, const cv::Rect& area,
 }
 
 std::string FormatNumber(double value) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", value == 0.0 ? 0.0 : value);
-  return text.data();
+  std::array<char, 40> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.3g", value == 0.0 ? 0.0 : value);
+  std::string text = buffer.data();
+  const std::size_t exponent = text.find('e');
+  if (exponent == std::string::npos) return text;
+  // "1e-06" to "1e-6", "1e+09" to "1e9".
+  const std::string sign = text[exponent + 1] == '-' ? "-" : "";
+  const std::string digits = text.substr(exponent + 2);
+  return text.substr(0, exponent + 1) + sign +
+         digits.substr(std::min(digits.find_first_not_of('0'), digits.size() - 1));
 }
 
 std::string FormatFixed(double value, int decimals) {
@@ -198,6 +205,14 @@ double RoundUp(double value) {
   for (const double step : {1.0, 2.0, 5.0})
     if (step * decade >= value * (1.0 - 1e-9)) return step * decade;
   return 10.0 * decade;
+}
+
+double RoundDown(double value) {
+  const double up = RoundUp(value);
+  if (up <= value * (1.0 + 1e-9)) return up;
+  // From 2 times a power of ten to 1, from 5 to 2, from 10 to 5.
+  const double decade = std::pow(10.0, std::floor(std::log10(up) + 1e-9));
+  return std::lround(up / decade) == 5 ? 0.4 * up : 0.5 * up;
 }
 
 }  // namespace turnlight::estimator

@@ -51,7 +51,7 @@ void DrawTicksLeft(cv::Mat3b& page, const cv::Rect& area, const std::vector<Tick
 void DrawColorBar(cv::Mat3b& page, const cv::Rect& area,
                   const std::function<cv::Vec3b(double)>& color, const std::vector<Tick>& ticks);
 
-// A number for a label, three digits: "0.05", "1e-06", never "-0".
+// A number for a label, three digits: "0.05", "1e-6", never "-0".
 std::string FormatNumber(double value);
 // With a fixed number of decimals, never "-0.0".
 std::string FormatFixed(double value, int decimals);
@@ -59,5 +59,7 @@ std::string FormatFixed(double value, int decimals);
 // The smallest of 1, 2, 5 times a power of ten that is not below value; 1 if value is not positive
 // and finite.
 double RoundUp(double value);
+// The largest of them that is not above value, which is positive and finite.
+double RoundDown(double value);
 
 }  // namespace turnlight::estimator

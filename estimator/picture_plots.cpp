@@ -96,8 +96,9 @@ void DrawLight(cv::Mat3b& page, const MapFrame& frame, const LightEstimate& ligh
   const bool near_right = at.x + kRing + 24 > frame.area.x + frame.area.width;
   const cv::Point2d text(near_right ? at.x - kRing - 5 : at.x + kRing + 5, at.y);
   const Align align = near_right ? Align::kRight : Align::kLeft;
-  for (const cv::Point2d& halo : {cv::Point2d(-1, 0), {1, 0}, {0, -1}, {0, 1}})
-    DrawText(page, label, text + halo, kCaption, align, kInk);
+  for (int y = -2; y <= 2; ++y)
+    for (int x = -2; x <= 2; ++x)
+      DrawText(page, label, text + cv::Point2d(x, y), kCaption, align, kInk);
   DrawText(page, label, text, kCaption, align, kPaper);
 }
 
@@ -110,6 +111,43 @@ std::string DescribeLight(const LightEstimate& light, int number) {
   return text + ",  intensity " + FormatNumber(light.light.intensity);
 }
 
+// The map as it is drawn: samples of a coarse picture leave gaps of a cell or two, which would hide
+// the map behind a moire. A cell without a value takes the mean of what lies within 3 degrees on
+// the sphere if that surrounds it, that is, if three of its four quadrants have a value; so the
+// border of what was seen stays where it is.
+cv::Mat1f CloseGaps(const cv::Mat1f& map) {
+  constexpr double kReachDeg = 3.0;
+  const int rows = map.rows, columns = map.cols;
+  const int reach = static_cast<int>(std::lround(kReachDeg * rows / 180.0));
+  cv::Mat1f closed = map.clone();
+  for (int row = 0; row < rows; ++row) {
+    const double sine = std::sin(CV_PI * (row + 0.5) / rows);
+    const int across = std::min(static_cast<int>(std::lround(kReachDeg * columns / 360.0 / sine)),
+                                (columns - 1) / 2);
+    for (int column = 0; column < columns; ++column) {
+      if (!std::isnan(map(row, column))) continue;
+      double sum = 0.0;
+      int count = 0;
+      bool quadrants[2][2] = {};
+      for (int y = std::max(-reach, -row); y <= std::min(reach, rows - 1 - row); ++y) {
+        for (int x = -across; x <= across; ++x) {
+          const float value = map(row + y, (column + x + columns) % columns);
+          if (std::isnan(value)) continue;
+          sum += value;
+          ++count;
+          if (y <= 0 && x <= 0) quadrants[0][0] = true;
+          if (y <= 0 && x >= 0) quadrants[0][1] = true;
+          if (y >= 0 && x <= 0) quadrants[1][0] = true;
+          if (y >= 0 && x >= 0) quadrants[1][1] = true;
+        }
+      }
+      const int around = quadrants[0][0] + quadrants[0][1] + quadrants[1][0] + quadrants[1][1];
+      if (around >= 3) closed(row, column) = static_cast<float>(sum / count);
+    }
+  }
+  return closed;
+}
+
 // ---- The plot.
 
 struct LogAxis {
@@ -117,24 +155,25 @@ struct LogAxis {
   double At(double value) const { return (high - std::log10(value)) / (high - low); }
 };
 
-// Whole decades around the values; at least one.
-LogAxis DecadesAround(double low, double high) {
-  LogAxis axis{std::floor(std::log10(low) + 1e-9), std::ceil(std::log10(high) - 1e-9)};
-  if (axis.high <= axis.low) axis.high = axis.low + 1.0;
-  return axis;
+// From 1, 2 or 5 times a power of ten below the values to one above them, at least a factor of 2.
+LogAxis AxisAround(double low, double high) {
+  const double bottom = RoundDown(low);
+  return {std::log10(bottom),
+          std::max(std::log10(RoundUp(high)), std::log10(RoundUp(1.5 * bottom)))};
 }
 
 std::vector<Tick> LogTicks(const LogAxis& axis) {
-  const int decades = static_cast<int>(std::lround(axis.high - axis.low));
-  const int step = std::max(1, (decades + 7) / 8);
+  const double decades = axis.high - axis.low;
+  const int step = std::max(1, static_cast<int>(decades / 8.0));
   std::vector<Tick> ticks;
-  for (int decade = 0; decade <= decades; ++decade) {
-    const double value = std::pow(10.0, axis.low + decade);
-    ticks.push_back({axis.At(value), decade % step == 0 ? FormatNumber(value) : ""});
-    if (decade == decades || step > 1) continue;
-    for (int digit = 2; digit <= 9; ++digit) {
-      const bool labelled = decades <= 2 && (digit == 2 || digit == 5);
-      ticks.push_back({axis.At(digit * value), labelled ? FormatNumber(digit * value) : ""});
+  for (int decade = static_cast<int>(std::floor(axis.low)); decade <= axis.high + 1e-9; ++decade) {
+    for (int digit = 1; digit <= (step > 1 ? 1 : 9); ++digit) {
+      const double value = digit * std::pow(10.0, decade);
+      const double at = axis.At(value);
+      if (!(at > -1e-9 && at < 1.0 + 1e-9)) continue;
+      const bool labelled =
+          digit == 1 ? decade % step == 0 : decades < 2.1 && (digit == 2 || digit == 5);
+      ticks.push_back({at, labelled ? FormatNumber(value) : ""});
     }
   }
   return ticks;
@@ -213,7 +252,7 @@ cv::Mat3b ResidualPicture(const cv::Mat1f& residual, double range, int enlarge,
 }
 
 cv::Mat3b IntensityPicture(const IntensityMap& map, const std::vector<LightEstimate>& lights) {
-  const cv::Mat1f& intensity = map.intensity;
+  const cv::Mat1f intensity = CloseGaps(map.intensity);
   const double brightest = Percentile({intensity.begin(), intensity.end()}, 1.0);
   const double top = brightest > 0.0 ? brightest : 1.0;
   cv::Mat3b colors(intensity.size());
@@ -264,9 +303,10 @@ cv::Mat3b ConvergencePicture(const std::vector<IterationRecord>& history) {
   std::vector<IterationRecord> records = history;
   std::erase_if(records,
                 [](const IterationRecord& r) { return !(r.rms > 0.0 && std::isfinite(r.rms)); });
+  constexpr int kLeft = 100;
   cv::Mat3b page = Page(760, 480);
-  DrawText(page, "Residual by iteration", {92, 0.5 * kTitleHeight}, kCaption, Align::kLeft);
-  const cv::Rect area(92, kTitleHeight, page.cols - 92 - kMargin - 8,
+  DrawText(page, "Residual by iteration", {kLeft, 0.5 * kTitleHeight}, kCaption, Align::kLeft);
+  const cv::Rect area(kLeft, kTitleHeight, page.cols - kLeft - kMargin - 12,
                       page.rows - kTitleHeight - 66);
   int first = history.front().iteration, last = first;
   double low = records.empty() ? 1.0 : records.front().rms, high = low;
@@ -276,7 +316,7 @@ cv::Mat3b ConvergencePicture(const std::vector<IterationRecord>& history) {
     low = std::min(low, record.rms);
     high = std::max(high, record.rms);
   }
-  const LogAxis axis = DecadesAround(low, high);
+  const LogAxis axis = AxisAround(low, high);
   const std::vector<Tick> across = IterationTicks(first, last);
   const std::vector<Tick> down = LogTicks(axis);
   DrawGrid(page, area, across, down);

@@ -28,14 +28,15 @@ class BlockedScene {
   BlockedScene(const Scene& scene, int channels)
       : scene_(scene),
         columns_{channels, static_cast<int>(scene.lights.size())},
-        log_shininess_(std::log(scene.reflectance.shininess)) {
+        log_shininess_(std::log(scene.reflectance.shininess)),
+        roughness_squared_(scene.reflectance.roughness * scene.reflectance.roughness) {
     Reflectance& r = scene_.reflectance;
     for (int c = 0; c < channels; ++c) Add(&r.albedo[c], 1, columns_.Albedo(c));
     Add(&r.ambient, 1, columns_.Ambient());
     Add(&r.diffuse, 1, columns_.Diffuse());
     Add(&r.specular, 1, columns_.Specular());
     Add(&log_shininess_, 1, columns_.LogShininess());
-    Add(&r.roughness, 1, columns_.Roughness());
+    Add(&roughness_squared_, 1, columns_.RoughnessSquared());
     for (int l = 0; l < columns_.lights; ++l) {
       Light& light = scene_.lights[static_cast<std::size_t>(l)];
       Add(&light.intensity, 1, columns_.Intensity(l));
@@ -53,6 +54,7 @@ class BlockedScene {
   Scene Current() const {
     Scene scene = scene_;
     scene.reflectance.shininess = std::exp(log_shininess_);
+    scene.reflectance.roughness = std::sqrt(roughness_squared_);
     for (Light& light : scene.lights) light.direction.normalize();
     return scene;
   }
@@ -67,6 +69,7 @@ class BlockedScene {
   Scene scene_;
   Columns columns_;
   double log_shininess_;
+  double roughness_squared_;
   std::vector<Block> blocks_;
 };
 
@@ -185,7 +188,7 @@ std::vector<Limits> LimitsOf(const Columns& columns, const Scene& start,
   at(columns.Specular()).held = !specular;
   at(columns.LogShininess()) = {!specular, std::log(kMinShininess), std::log(kMaxShininess)};
   const bool rough = start.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
-  at(columns.Roughness()) = {!rough, 0.0, kMaxRoughness};
+  at(columns.RoughnessSquared()) = {!rough, 0.0, kMaxRoughness * kMaxRoughness};
   for (int l = 0; l < columns.lights; ++l) {
     const auto index = static_cast<std::size_t>(l);
     const bool fixed = !options.fixed_distance.empty() && options.fixed_distance[index];

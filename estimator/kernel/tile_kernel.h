@@ -14,7 +14,7 @@ namespace turnlight::estimator::kernel {
 inline constexpr int kLanes = 16;
 inline constexpr int kTilePixels = 256;
 inline constexpr int kMaxSamples = 8;   // per side of a footprint
-inline constexpr int kSharedFixed = 5;  // ambient, diffuse, specular, log shininess, roughness
+inline constexpr int kSharedFixed = 5;  // ambient, diffuse, specular, log shininess, roughness^2
 inline constexpr int kPerLight = 4;     // intensity, two tangents, inverse distance
 
 enum class Specular { kNone, kPhong, kBlinnPhong };
@@ -36,7 +36,7 @@ struct KernelModel {
   Specular specular_model;
   bool oren_nayar;
   double oren_nayar_a, oren_nayar_b;    // A and B of Oren and Nayar
-  double oren_nayar_da, oren_nayar_db;  // their derivatives by roughness
+  double oren_nayar_da, oren_nayar_db;  // their derivatives by its square
   double huber;                         // 0: squares
   // Gauss-Legendre nodes on [-1/2, 1/2] and weights (sum 1) for each number of samples per side.
   double node[kMaxSamples + 1][kMaxSamples];

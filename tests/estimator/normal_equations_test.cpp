@@ -55,7 +55,7 @@ std::array<Jet, 3> JetModel(const Scene& scene, const RandomPoint& point) {
   const Jet diffuse = variable(r.diffuse, columns.Diffuse());
   const Jet specular = variable(r.specular, columns.Specular());
   const Jet shininess = exp(variable(std::log(r.shininess), columns.LogShininess()));
-  const Jet roughness = variable(r.roughness, columns.Roughness());
+  const Jet variance = variable(r.roughness * r.roughness, columns.RoughnessSquared());
   const JetVector n = point.normal.cast<Jet>(), v = point.viewer.cast<Jet>();
   Jet diffuse_sum(0.0), specular_sum(0.0);
   for (int l = 0; l < kLights; ++l) {
@@ -74,7 +74,6 @@ std::array<Jet, 3> JetModel(const Scene& scene, const RandomPoint& point) {
     if (nl.a <= 0.0) continue;
     Jet f_d = nl;
     if (r.diffuse_model == DiffuseModel::kOrenNayar) {
-      const Jet variance = roughness * roughness;
       const Jet a = 1.0 - 0.5 * variance / (variance + 0.33);
       const Jet b = 0.45 * variance / (variance + 0.09);
       const Jet nv = n.dot(v);
@@ -158,8 +157,8 @@ void ExpectSame(const NormalEquations& equations, const Reference& reference, do
 }
 
 // Geometry rounded to float is unit only to 1e-7; cosines (the jets) and chords (the kernel) of it
-// part by that times the shininess. Below a shininess of 1 the slope of the lobe grows without bound
-// towards its edge, and the rounding with it.
+// part by that times the shininess. Below a shininess of 1 the slope of the lobe grows without
+// bound towards its edge, and the rounding with it.
 double Rounding(const Scene& scene) {
   const double n = scene.reflectance.shininess;
   return n < 1.0 ? 3e-5 : 3e-7 * n;
@@ -216,7 +215,8 @@ Scene Moved(const Scene& scene, int column, double step) {
   if (column == columns.Diffuse()) r.diffuse += step;
   if (column == columns.Specular()) r.specular += step;
   if (column == columns.LogShininess()) r.shininess *= std::exp(step);
-  if (column == columns.Roughness()) r.roughness += step;
+  if (column == columns.RoughnessSquared())
+    r.roughness = std::sqrt(r.roughness * r.roughness + step);
   for (int l = 0; l < kLights; ++l) {
     Light& light = out.lights[static_cast<std::size_t>(l)];
     const Eigen::Matrix<double, 3, 2> basis = TangentBasis(light.direction);

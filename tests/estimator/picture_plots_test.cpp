@@ -94,8 +94,15 @@ TEST(Canvas, NumbersForLabels) {
   EXPECT_EQ(RoundUp(7.0), 10.0);
   EXPECT_EQ(RoundUp(0.0), 1.0);
   EXPECT_EQ(RoundUp(kInf), 1.0);
+  EXPECT_DOUBLE_EQ(RoundDown(0.0003), 0.0002);
+  EXPECT_DOUBLE_EQ(RoundDown(0.1), 0.1);
+  EXPECT_DOUBLE_EQ(RoundDown(7.0), 5.0);
+  EXPECT_DOUBLE_EQ(RoundDown(0.19), 0.1);
   EXPECT_EQ(FormatNumber(-0.0), "0");
   EXPECT_EQ(FormatNumber(0.00123456), "0.00123");
+  EXPECT_EQ(FormatNumber(-1.5e-6), "-1.5e-6");
+  EXPECT_EQ(FormatNumber(2e10), "2e10");
+  EXPECT_EQ(FormatNumber(1e-300), "1e-300");
   EXPECT_EQ(FormatFixed(-0.001, 2), "0.00");
   EXPECT_EQ(FormatFixed(359.996, 2), "360.00");
 }
@@ -199,6 +206,21 @@ TEST(IntensityPicture, EllipseWidensTowardsThePole) {
       std::lround(3.0 * RadToDeg(std::acos(std::cos(DegToRad(30)) / std::cos(DegToRad(15))))));
   EXPECT_TRUE(marked(static_cast<int>(540 + half_width), y));
   EXPECT_TRUE(marked(static_cast<int>(540 - half_width), y));
+}
+
+TEST(IntensityPicture, GapsWithinWhatWasSeenAreClosedAndItsBorderStays) {
+  cv::Mat1f map(180, 360, kNan);
+  for (int row = 40; row < 60; ++row)
+    for (int column = 340; column < 380; ++column)
+      if ((row + column) % 2 == 0) map(row, column % 360) = 0.5f;
+  const cv::Mat3b page = IntensityPicture({map}, {});
+  const auto at = [&](int row, int column) { return page(44 + 3 * row + 1, 84 + 3 * column + 1); };
+  EXPECT_EQ(at(51, 359), SequentialColor(1.0));
+  EXPECT_EQ(at(50, 0), SequentialColor(1.0));
+  EXPECT_EQ(at(50, 1), SequentialColor(1.0));
+  EXPECT_EQ(at(38, 0), kUnseen);
+  EXPECT_EQ(at(61, 10), kUnseen);
+  EXPECT_EQ(at(50, 337), kUnseen);
 }
 
 TEST(IntensityPicture, StrangeMapsAndLightsAreDrawn) {

@@ -1,0 +1,290 @@
+#include "estimator/estimate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "base/angles.h"
+#include "estimator/uncertainty.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr std::size_t kSampleSize = 6000;
+constexpr std::size_t kMinPixels = 30;
+constexpr double kClusterRadiusDeg = 25.0;
+constexpr double kHighShare = 0.5;      // of the map's range: the paper's high-intensity areas
+constexpr double kDarkRadiance = 1e-7;  // white is 1: nothing was lit
+constexpr double kNinetyFivePercent = 1.6449;
+
+double Seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Why nothing usable was observed, counted over all keyframes.
+Error NothingObserved(const std::vector<cv::Mat1b>& flags, std::size_t used) {
+  std::size_t on_target = 0, saturated = 0, edge = 0;
+  for (const cv::Mat1b& picture : flags)
+    for (const std::uint8_t flag : picture) {
+      if (flag & kOffTarget) continue;
+      ++on_target;
+      saturated += (flag & kSaturated) != 0 ? 1 : 0;
+      edge += (flag & (kSilhouette | kGrazing)) != 0 ? 1 : 0;
+    }
+  std::string text = "no usable estimate: " + std::to_string(used) + " usable pixels, at least " +
+                     std::to_string(kMinPixels) + " are needed. ";
+  if (on_target == 0)
+    text += "No pixel shows the target: check the poses, the masks and the target's size.";
+  else if (2 * saturated > on_target)
+    text += std::to_string(saturated) + " of " + std::to_string(on_target) +
+            " target pixels are clipped: lower the exposure or the gain.";
+  else
+    text += std::to_string(edge) + " of " + std::to_string(on_target) +
+            " target pixels are at the outline or too oblique: move the camera closer.";
+  return {ErrorKind::kNoEstimate, text};
+}
+
+// 99.9 % quantile of the grey radiance.
+double Brightest(const Observations& all) {
+  std::vector<float> values;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel) values.push_back(all.radiance[0][i]);
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * 0.999);
+  std::nth_element(values.begin(), at, values.end());
+  return static_cast<double>(*at);
+}
+
+// A user's guess as a start in the observations' coordinates, fitted on the sample.
+Scene StartFromGuess(const Observations& sample, const InitialGuess& guess) {
+  Scene world;
+  world.lights = guess.lights;
+  const Scene given = ToSolver(world, sample);
+  std::vector<Eigen::Vector3d> directions;
+  for (const Light& light : given.lights) directions.push_back(light.direction);
+  Scene start = StartFromDirections(sample, directions);
+  double total = 0.0;
+  for (const Light& light : given.lights) total += light.intensity;
+  for (std::size_t l = 0; l < start.lights.size(); ++l) {
+    if (guess.lights[l].inverse_distance > 0.0)
+      start.lights[l].inverse_distance = given.lights[l].inverse_distance;
+    if (guess.has_intensities && total > 0.0)
+      start.lights[l].intensity *=
+          given.lights[l].intensity / total * static_cast<double>(start.lights.size());
+  }
+  if (guess.reflectance) {
+    start.reflectance.specular_model = guess.reflectance->specular_model;
+    start.reflectance.shininess = guess.reflectance->shininess;
+    start.reflectance.diffuse_model = guess.reflectance->diffuse_model;
+    start.reflectance.roughness = guess.reflectance->roughness;
+  }
+  SolveOptions options;
+  options.gauge = Gauge::kDiffuse;
+  options.max_iterations = 40;
+  options.function_tolerance = 1e-6;
+  options.evaluate.samples_per_side = FootprintSamples(sample, start.reflectance.shininess);
+  // Strengths first, with the geometry and the lobe's width as given; then everything.
+  SolveOptions linear = options;
+  linear.max_iterations = 15;
+  linear.free_directions = false;
+  linear.fixed_distance.assign(start.lights.size(), true);
+  return Solve(sample, Solve(sample, start, linear).scene, options).scene;
+}
+
+// Views whose pictures differ by more than noise from every earlier distinct one.
+int DistinctViews(const std::vector<Keyframe>& keyframes, double noise) {
+  constexpr int kStep = 3;
+  std::vector<const cv::Mat*> distinct;
+  for (const Keyframe& keyframe : keyframes) {
+    const cv::Mat& image = keyframe.image.radiance;
+    const auto same = [&](const cv::Mat* other) {
+      double sum = 0.0;
+      std::size_t count = 0;
+      for (int row = 0; row < image.rows; row += kStep) {
+        const float* a = image.ptr<float>(row);
+        const float* b = other->ptr<float>(row);
+        for (int i = 0; i < image.cols * image.channels(); i += kStep) {
+          if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
+          const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+          sum += difference * difference;
+          ++count;
+        }
+      }
+      const double limit = 1.5 * std::sqrt(2.0) * noise + 1e-6;
+      return count > 0 && sum <= limit * limit * static_cast<double>(count);
+    };
+    if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(&image);
+  }
+  return static_cast<int>(distinct.size());
+}
+
+LightEstimate MakeLight(const ReportedLight& reported, const LightSigma& sigma, bool near,
+                        double rho_free, double rho_sigma, bool strongest) {
+  LightEstimate out;
+  out.light = reported.light;
+  out.near = near;
+  out.direction_sigma = sigma.direction;
+  // A light held at infinity: what the fit with free distances found belongs to the error of 0.
+  out.inverse_distance_sigma = near ? sigma.inverse_distance : std::hypot(rho_sigma, rho_free);
+  const double upper = rho_free + kNinetyFivePercent * rho_sigma;
+  if (upper > 0.0 && std::isfinite(upper)) out.distance_min = 1.0 / upper;
+  if (near) {
+    out.distance = 1.0 / reported.light.inverse_distance;
+    out.distance_sigma = sigma.distance;
+    out.position = reported.light.direction / reported.light.inverse_distance;
+    out.position_covariance = sigma.position_covariance;
+  }
+  out.direction_at_reference = reported.direction_at_reference;
+  if (!strongest) out.intensity_sigma = sigma.intensity;
+  out.diffuse_product = reported.diffuse_product;
+  out.diffuse_product_sigma = sigma.diffuse_product;
+  out.specular_product = reported.specular_product;
+  out.specular_product_sigma = sigma.specular_product;
+  return out;
+}
+
+void FillSigmas(const Uncertainty& sigma, double specular_limit, Estimate& out) {
+  out.sigma.albedo = sigma.albedo;
+  out.sigma.ambient = sigma.ambient;
+  out.sigma.diffuse = sigma.diffuse;
+  out.sigma.specular = sigma.specular;
+  out.ambient_product_sigma = sigma.ambient_product;
+  if (out.reflectance.specular_model == SpecularModel::kNone) {
+    out.sigma.specular = specular_limit;
+    for (LightEstimate& light : out.lights)
+      light.specular_product_sigma = specular_limit * light.light.intensity;
+  } else if (std::isfinite(sigma.shininess)) {
+    out.sigma.shininess = sigma.shininess;
+  }
+  if (out.reflectance.diffuse_model == DiffuseModel::kOrenNayar && std::isfinite(sigma.roughness))
+    out.sigma.roughness = sigma.roughness;
+  out.condition = sigma.condition;
+  out.weak = sigma.weak;
+}
+
+void AddNotes(Estimate& out) {
+  if (out.distinct_views < out.views)
+    out.notes.push_back(
+        {"views-add-nothing",
+         std::to_string(out.distinct_views) + " of " + std::to_string(out.views) +
+             " views differ by more than noise; the others add nothing but a lower "
+             "noise. A homogeneous body of revolution on the axis looks the same at "
+             "every angle: use another target, tilt it, or move the camera."});
+  if (out.reflectance.specular_model == SpecularModel::kNone)
+    out.notes.push_back(
+        {"no-highlight",
+         "No highlight was found: shininess is null, and the lights' places rest on "
+         "diffuse shading alone."});
+  if (out.channels == 1)
+    out.notes.push_back(
+        {"grey", "The pictures are grey: albedo and products repeat one value for R, G and B."});
+  const bool any_distant = std::any_of(out.lights.begin(), out.lights.end(),
+                                       [](const LightEstimate& l) { return !l.near; });
+  if (any_distant)
+    out.notes.push_back({"distance-unknown",
+                         "Lights with distance null are too far for the data to tell how far; "
+                         "distance_min is a 95 % bound."});
+  if (out.stopped != "converged")
+    out.notes.push_back({"not-converged", "The solver reached its limit of iterations."});
+}
+
+std::vector<cv::Mat1f> ResidualMaps(const Observations& all, const Scene& scene,
+                                    const EvaluateOptions& options, cv::Size size) {
+  const auto model = Predict(all, scene, options);
+  std::vector<cv::Mat1f> maps;
+  for (std::size_t k = 0; k + 1 < all.tile_begin.size(); ++k) {
+    cv::Mat1f& map = maps.emplace_back(size, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = all.tile_begin[k] * kTile; i < all.tile_begin[k + 1] * kTile; ++i) {
+      if (all.pixel[i] == Observations::kNoPixel) continue;
+      float sum = 0.0f;
+      for (int c = 0; c < all.channels; ++c)
+        sum += all.radiance[c][i] - model[static_cast<std::size_t>(c)][i];
+      const int at = static_cast<int>(all.pixel[i]);
+      map(at / size.width, at % size.width) = sum / static_cast<float>(all.channels);
+    }
+  }
+  return maps;
+}
+
+double RmsOf(const Observations& all, double cost) {
+  return std::sqrt(2.0 * cost / (static_cast<double>(all.used) * all.channels));
+}
+
+void FillEstimate(const Observations& all, const Refined& refined, Estimate& out) {
+  const Solution& solution = refined.solution;
+  const auto order = StrengthOrder(solution.scene, all);
+  const Reported reported = Report(solution.scene, all, order);
+  const Uncertainty sigma = StatisticalUncertainty(solution, all, order, refined.options);
+  out.reflectance = reported.reflectance;
+  out.reference_point = all.reference;
+  out.channels = all.channels;
+  out.ambient_product = reported.ambient_product;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    out.lights.push_back(MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
+                                   refined.inverse_distance[order[i]] / all.radius,
+                                   refined.inverse_distance_sigma[order[i]] / all.radius, i == 0));
+  FillSigmas(sigma, refined.specular_sigma, out);
+  out.initial_rms = RmsOf(all, refined.cost_history.front());
+  EvaluateOptions squares = refined.options.evaluate;
+  squares.huber = 0.0;
+  out.rms = RmsOf(all, Evaluate(all, solution.scene, squares).cost);
+  out.pixels = all.used;
+  out.iterations = refined.iterations;
+  out.stopped = solution.converged ? "converged" : "iteration-limit";
+  for (std::size_t i = 0; i < refined.cost_history.size(); ++i)
+    out.history.push_back({static_cast<int>(i), RmsOf(all, refined.cost_history[i])});
+}
+
+}  // namespace
+
+Scene Estimate::ToScene() const {
+  Scene scene;
+  scene.reflectance = reflectance;
+  for (const LightEstimate& light : lights) scene.lights.push_back(light.light);
+  return scene;
+}
+
+Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
+                                     const Geometry& geometry, const calib::RayGrid& rays,
+                                     const EstimateOptions& options) {
+  const double begin = Seconds();
+  std::vector<cv::Mat1b> flags;
+  const Observations all = BuildObservations(keyframes, geometry, rays, &flags);
+  if (all.used < kMinPixels) return tl::unexpected<Error>(NothingObserved(flags, all.used));
+  if (Brightest(all) <= kDarkRadiance)
+    return NoEstimateError("no usable estimate: every usable pixel is black (99.9 % at or below " +
+                           std::to_string(Brightest(all)) +
+                           " of white): check the lamp, the exposure and "
+                           "radiometry.black.");
+  const double noise = EstimateNoise(all);
+  const Observations sample = Subsample(all, kSampleSize, 1);
+  EstimateOutput out;
+  Estimate& estimate = out.estimate;
+  out.map = MakeIntensityMap(all);
+  Scene start;
+  if (options.initial) {
+    start = StartFromGuess(sample, *options.initial);
+    estimate.ladder.push_back(
+        {"lights", true, std::to_string(start.lights.size()) + " lights as given by --initial"});
+  } else {
+    const auto clusters =
+        LeaderClustering(HighIntensityArea(out.map, kHighShare), DegToRad(kClusterRadiusDeg));
+    Candidate candidate = FindLights(sample, clusters, noise, estimate.ladder);
+    candidate = ChooseDiffuse(sample, std::move(candidate), noise, estimate.ladder);
+    start = candidate.scene;
+  }
+  const double started = Seconds();
+  const Refined refined = Refine(all, start, noise, options.max_iterations, estimate.ladder);
+  FillEstimate(all, refined, estimate);
+  estimate.views = static_cast<int>(keyframes.size());
+  estimate.distinct_views = DistinctViews(keyframes, noise);
+  AddNotes(estimate);
+  out.residuals = ResidualMaps(all, refined.solution.scene, refined.options.evaluate,
+                               {rays.width(), rays.height()});
+  estimate.initial_s = started - begin;
+  estimate.solve_s = Seconds() - started;
+  return out;
+}
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,200 @@
+#include "estimator/model_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "estimator/uncertainty.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr std::size_t kMaxClusters = 12;
+constexpr int kLatticeLights = 24;
+constexpr double kRatioPerLight = 3.0;
+constexpr double kRoughRatio = 1.25;
+constexpr double kMinSpecularPeak = 0.003;    // of white
+constexpr double kMinInverseDistance = 5e-4;  // rho R
+constexpr double kSignificance = 3.0;
+constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
+constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
+
+std::string Text(const char* format, double a, double b = 0.0, double c = 0.0) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof buffer, format, a, b, c);
+  return buffer;
+}
+
+Eigen::Vector3d MeanNormal(const Observations& all) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel)
+      for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(all.normal[k][i]);
+  return sum.norm() > 1e-6 * static_cast<double>(all.used) ? Eigen::Vector3d(sum.normalized())
+                                                           : Eigen::Vector3d::UnitZ();
+}
+
+// The fraction of rows whose residual is typical: the median absolute residual as a sigma.
+double RobustSigma(const Observations& all, const Scene& scene, const EvaluateOptions& options) {
+  const auto model = Predict(all, scene, options);
+  std::vector<float> residuals;
+  residuals.reserve(all.used * static_cast<std::size_t>(all.channels));
+  for (int c = 0; c < all.channels; ++c)
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all.pixel[i] != Observations::kNoPixel)
+        residuals.push_back(std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return static_cast<double>(*middle) / 0.6745;
+}
+
+double Rms(const Observations& all, double cost) {
+  return std::sqrt(2.0 * cost / (static_cast<double>(all.used) * all.channels));
+}
+
+// Solves, and again while the lobe found asks for other footprints than the one solved with.
+void SolveWithFootprints(const Observations& observations, Refined& out) {
+  Scene scene = out.solution.scene;
+  out.options.evaluate.samples_per_side =
+      FootprintSamples(observations, scene.reflectance.shininess);
+  for (int round = 0; round < 3; ++round) {
+    out.solution = Solve(observations, scene, out.options);
+    out.iterations += out.solution.iterations;
+    out.cost_history.insert(out.cost_history.end(), out.solution.cost_history.begin(),
+                            out.solution.cost_history.end());
+    scene = out.solution.scene;
+    auto samples = FootprintSamples(observations, scene.reflectance.shininess);
+    if (samples == out.options.evaluate.samples_per_side) break;
+    out.options.evaluate.samples_per_side = std::move(samples);
+  }
+}
+
+// Where the residual is mere noise, squares are the best there is. Where it is more, what is left
+// is texture, dirt, or what the model lacks, and large residuals say little about the lights.
+void ChooseLoss(const Observations& observations, double noise, Refined& out,
+                std::vector<Rung>& ladder) {
+  const double rms = Rms(observations, out.solution.equations.cost);
+  const bool robust = rms > kBeyondNoise * noise;
+  ladder.push_back(
+      {"robust-loss", robust,
+       Text("residual rms %.3g, noise %.3g; from %.1f times the noise on, large residuals "
+            "are given less weight",
+            rms, noise, kBeyondNoise)});
+  if (!robust) return;
+  const double sigma = RobustSigma(observations, out.solution.scene, out.options.evaluate);
+  out.options.evaluate.huber = std::max(kHuberSigmas * sigma, 1e-6);
+  SolveWithFootprints(observations, out);
+}
+
+void ChooseSpecular(const Observations& observations, Refined& out, std::vector<Rung>& ladder) {
+  const Scene& scene = out.solution.scene;
+  if (scene.reflectance.specular_model == SpecularModel::kNone) return;
+  const auto order = StrengthOrder(scene, observations);
+  const Uncertainty sigma = StatisticalUncertainty(out.solution, observations, order, out.options);
+  const Reported reported = Report(scene, observations, order);
+  double peak = 0.0;
+  for (const ReportedLight& light : reported.lights) peak = std::max(peak, light.specular_product);
+  const double own = sigma.lights.empty() ? 0.0 : sigma.lights.front().specular_product;
+  const bool matters = peak >= kMinSpecularPeak && peak > kSignificance * own;
+  ladder.push_back({"specular", matters,
+                    Text("the strongest highlight is %.3g of white with sigma %.2g; it counts from "
+                         "%.3g and 3 sigma",
+                         peak, own, kMinSpecularPeak)});
+  if (matters) return;
+  out.specular_sigma = own;
+  out.solution.scene.reflectance.specular_model = SpecularModel::kNone;
+  out.solution.scene.reflectance.specular = 0.0;
+  SolveWithFootprints(observations, out);
+}
+
+// Sigma of each light's inverse distance about the reference, in 1/R: from the solver's own
+// columns.
+void ChooseDistances(const Observations& observations, Refined& out, std::vector<Rung>& ladder) {
+  const std::size_t lights = out.solution.scene.lights.size();
+  std::vector<std::size_t> own_order(lights);
+  for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
+  const Uncertainty sigma =
+      StatisticalUncertainty(out.solution, observations, own_order, out.options);
+  const Reported reported = Report(out.solution.scene, observations, own_order);
+  out.near.assign(lights, false);
+  bool refit = false;
+  for (std::size_t l = 0; l < lights; ++l) {
+    const double rho = reported.lights[l].light.inverse_distance * observations.radius;
+    const double own = sigma.lights[l].inverse_distance * observations.radius;
+    out.inverse_distance.push_back(rho);
+    out.inverse_distance_sigma.push_back(own);
+    out.near[l] = rho >= kMinInverseDistance && rho > kSignificance * own;
+    if (!out.near[l] && rho > 0.0) refit = true;
+    ladder.push_back(
+        {"near light " + std::to_string(l + 1), out.near[l],
+         Text("radius over distance is %.3g with sigma %.2g; it counts from %.3g and 3 "
+              "sigma",
+              rho, own, kMinInverseDistance)});
+  }
+  if (!refit) return;
+  out.options.fixed_distance.assign(lights, false);
+  for (std::size_t l = 0; l < lights; ++l)
+    if (!out.near[l]) {
+      out.options.fixed_distance[l] = true;
+      out.solution.scene.lights[l].inverse_distance = 0.0;
+    }
+  SolveWithFootprints(observations, out);
+}
+
+}  // namespace
+
+Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
+                     double noise, std::vector<Rung>& ladder) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const MapPoint& cluster : clusters)
+    if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
+  Candidate from_map = FitAndEliminate(sample, StartFromDirections(sample, directions), noise);
+  const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample));
+  Candidate from_lattice = FitAndEliminate(sample, StartFromDirections(sample, lattice), noise);
+  const double more = static_cast<double>(from_lattice.scene.lights.size()) -
+                      static_cast<double>(from_map.scene.lights.size());
+  const bool lattice_wins = from_map.excess > from_lattice.excess * std::pow(kRatioPerLight, more);
+  ladder.push_back(
+      {"start", !lattice_wins,
+       Text("the intensity map's clusters lead to %.0f lights with an excess variance of %.3g",
+            static_cast<double>(from_map.scene.lights.size()), from_map.excess) +
+           Text(", the lattice to %.0f with %.3g",
+                static_cast<double>(from_lattice.scene.lights.size()), from_lattice.excess)});
+  return lattice_wins ? from_lattice : from_map;
+}
+
+Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
+                        std::vector<Rung>& ladder) {
+  candidate = Eliminate(sample, candidate.scene, noise);
+  Scene start = candidate.scene;
+  start.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
+  start.reflectance.roughness = 0.3;
+  Candidate rough = Eliminate(sample, start, noise);
+  const double lights = static_cast<double>(candidate.scene.lights.size());
+  const double rough_lights = static_cast<double>(rough.scene.lights.size());
+  const double saved = lights - rough_lights;
+  const bool accepted = rough_lights < lights
+                            ? rough.excess <= candidate.excess * std::pow(kRatioPerLight, saved)
+                            : rough.excess * kRoughRatio <= candidate.excess;
+  ladder.push_back(
+      {"oren-nayar", accepted,
+       Text("excess variance %.3g with Lambert and %.0f lights", candidate.excess, lights) +
+           Text(", %.3g with Oren-Nayar and %.0f; rough from a ratio of %.2f, or when "
+                "it saves a light",
+                rough.excess, rough_lights, kRoughRatio)});
+  return accepted ? rough : candidate;
+}
+
+Refined Refine(const Observations& observations, const Scene& start, double noise,
+               int max_iterations, std::vector<Rung>& ladder) {
+  Refined out;
+  out.options.max_iterations = max_iterations;
+  out.solution.scene = start;
+  SolveWithFootprints(observations, out);
+  ChooseLoss(observations, noise, out, ladder);
+  ChooseSpecular(observations, out, ladder);
+  ChooseDistances(observations, out, ladder);
+  return out;
+}
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,261 @@
+#include "estimator/uncertainty.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+// Eigenvalues of the column-scaled matrix below this share of the largest are rounding: the data
+// say nothing about that direction.
+constexpr double kNullShare = 1e-11;
+constexpr double kWeakShare = 1e-7;
+
+// The columns that count as unknowns.
+std::vector<int> Unknowns(const Solution& solution, const Columns& columns,
+                          const SolveOptions& options) {
+  std::vector<int> unknowns;
+  const bool specular = solution.scene.reflectance.specular_model != SpecularModel::kNone;
+  for (int column = 0; column < columns.count(); ++column) {
+    bool free = solution.free[static_cast<std::size_t>(column)];
+    if (column == columns.Specular()) free = specular;
+    for (int l = 0; l < columns.lights; ++l)
+      if (column == columns.InverseDistance(l))
+        free =
+            options.fixed_distance.empty() || !options.fixed_distance[static_cast<std::size_t>(l)];
+    if (free) unknowns.push_back(column);
+  }
+  return unknowns;
+}
+
+std::string ColumnName(const Columns& columns, int column) {
+  static const char* const kColours[] = {"red", "green", "blue"};
+  if (column < columns.channels) return std::string("albedo ") + kColours[column];
+  if (column == columns.Ambient()) return "ambient";
+  if (column == columns.Diffuse()) return "diffuse";
+  if (column == columns.Specular()) return "specular";
+  if (column == columns.LogShininess()) return "shininess";
+  if (column == columns.RoughnessSquared()) return "roughness";
+  const int light = (column - columns.Intensity(0)) / 4;
+  const char* const what[] = {"intensity", "direction", "direction", "distance"};
+  return std::string(what[(column - columns.Intensity(0)) % 4]) + " of light " +
+         std::to_string(light + 1);
+}
+
+// Inverse of the information matrix over the unknowns; columns that are not determined are NaN.
+struct Covariance {
+  std::vector<int> unknowns;
+  Eigen::MatrixXd matrix;
+  std::vector<bool> undetermined;
+  double condition = 0.0;
+  std::vector<std::string> weak;
+};
+
+std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unknowns,
+                   const Columns& columns) {
+  std::string text;
+  for (Eigen::Index i = 0; i < direction.size(); ++i)
+    if (std::abs(direction[i]) > 0.3) {
+      const std::string name = ColumnName(columns, unknowns[static_cast<std::size_t>(i)]);
+      if (text.find(name) == std::string::npos) text += (text.empty() ? "" : " against ") + name;
+    }
+  return text;
+}
+
+Covariance Invert(const Solution& solution, const Observations& observations,
+                  const Columns& columns, const SolveOptions& options) {
+  Covariance out;
+  out.unknowns = Unknowns(solution, columns, options);
+  const auto n = static_cast<Eigen::Index>(out.unknowns.size());
+  Eigen::VectorXd scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int column = out.unknowns[static_cast<std::size_t>(i)];
+    scale[i] = std::sqrt(std::max(solution.equations.hessian(column, column), 0.0));
+  }
+  out.undetermined.assign(static_cast<std::size_t>(n), false);
+  out.matrix = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd scaled(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double s = scale[i] * scale[j];
+      scaled(i, j) = s > 0.0
+                         ? solution.equations.hessian(out.unknowns[static_cast<std::size_t>(i)],
+                                                      out.unknowns[static_cast<std::size_t>(j)]) /
+                               s
+                         : 0.0;
+    }
+  if (n == 0) return out;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  const double values = static_cast<double>(observations.used) * observations.channels;
+  const double variance =
+      2.0 * solution.equations.cost / std::max(values - static_cast<double>(n), 1.0);
+  double smallest = largest;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double value = eigen.eigenvalues()[k];
+    const Eigen::VectorXd vector = eigen.eigenvectors().col(k);
+    if (value < kWeakShare * largest) out.weak.push_back(NameOf(vector, out.unknowns, columns));
+    if (!(value > kNullShare * largest)) {
+      for (Eigen::Index i = 0; i < n; ++i)
+        if (std::abs(vector[i]) > 1e-3) out.undetermined[static_cast<std::size_t>(i)] = true;
+      continue;
+    }
+    smallest = std::min(smallest, value);
+    out.matrix += variance / value * (vector * vector.transpose());
+  }
+  out.condition = largest / smallest;
+  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  out.matrix = inverse.asDiagonal() * out.matrix * inverse.asDiagonal();
+  return out;
+}
+
+// The scene with one column moved by a step.
+Scene Moved(const Scene& scene, const Columns& columns, int column, double step) {
+  Scene out = scene;
+  Reflectance& r = out.reflectance;
+  if (column < columns.channels) r.albedo[column] += step;
+  if (columns.channels == 1) r.albedo.setConstant(r.albedo[0]);
+  if (column == columns.Ambient()) r.ambient += step;
+  if (column == columns.Diffuse()) r.diffuse += step;
+  if (column == columns.Specular()) r.specular += step;
+  if (column == columns.LogShininess()) r.shininess *= std::exp(step);
+  if (column == columns.RoughnessSquared())
+    r.roughness = std::sqrt(std::max(r.roughness * r.roughness + step, 0.0));
+  for (int l = 0; l < columns.lights; ++l) {
+    Light& light = out.lights[static_cast<std::size_t>(l)];
+    if (column == columns.Intensity(l)) light.intensity += step;
+    if (column == columns.InverseDistance(l)) light.inverse_distance += step;
+    for (int k = 0; k < 2; ++k)
+      if (column == columns.Tangent(l) + k)
+        light.direction =
+            (light.direction + step * TangentBasis(light.direction).col(k)).normalized();
+  }
+  return out;
+}
+
+// The reported quantities as one vector, directions by their tangent coordinates at the solution.
+constexpr Eigen::Index kPerLight = 12, kShared = 11;
+
+Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
+  const auto lights = static_cast<Eigen::Index>(reported.lights.size());
+  Eigen::VectorXd out(kPerLight * lights + kShared);
+  for (Eigen::Index l = 0; l < lights; ++l) {
+    const ReportedLight& light = reported.lights[static_cast<std::size_t>(l)];
+    const Eigen::Vector3d& u = light.light.direction;
+    const double rho = light.light.inverse_distance;
+    const double rho_at = at.lights[static_cast<std::size_t>(l)].light.inverse_distance;
+    const double safe = rho_at > 0.0 ? rho : 1.0;
+    out.segment(kPerLight * l, kPerLight)
+        << TangentBasis(at.lights[static_cast<std::size_t>(l)].light.direction).transpose() * u,
+        rho, light.light.intensity, light.diffuse_product, light.specular_product, u / safe,
+        1.0 / safe;
+  }
+  const Reflectance& r = reported.reflectance;
+  out.tail(kShared) << r.albedo, r.ambient, r.diffuse, r.specular, r.shininess, r.roughness,
+      reported.ambient_product;
+  return out;
+}
+
+double LargerEigenvalue(const Eigen::Matrix2d& m) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues().maxCoeff();
+}
+
+}  // namespace
+
+std::vector<std::size_t> StrengthOrder(const Scene& solver_scene,
+                                       const Observations& observations) {
+  const Scene world = ToWorld(solver_scene, observations);
+  std::vector<std::size_t> order(world.lights.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return world.lights[a].intensity > world.lights[b].intensity;
+  });
+  return order;
+}
+
+Reported Report(const Scene& solver_scene, const Observations& observations,
+                const std::vector<std::size_t>& order) {
+  const Scene world = ToWorld(solver_scene, observations);
+  Reported out;
+  Reflectance& r = out.reflectance;
+  r = world.reflectance;
+  const double albedo = std::max(r.albedo.maxCoeff(), 1e-300);
+  const double strongest = order.empty() ? 1.0 : std::max(world.lights[order[0]].intensity, 1e-300);
+  r.albedo /= albedo;
+  r.ambient *= albedo;
+  r.diffuse *= albedo * strongest;
+  r.specular *= strongest;
+  out.ambient_product = r.albedo * r.ambient;
+  for (const std::size_t index : order) {
+    ReportedLight& light = out.lights.emplace_back();
+    light.light = world.lights[index];
+    light.light.intensity /= strongest;
+    light.direction_at_reference = solver_scene.lights[index].direction;
+    light.diffuse_product = r.albedo * (r.diffuse * light.light.intensity);
+    light.specular_product = r.specular * light.light.intensity;
+  }
+  return out;
+}
+
+Uncertainty StatisticalUncertainty(const Solution& solution, const Observations& observations,
+                                   const std::vector<std::size_t>& order,
+                                   const SolveOptions& options) {
+  const Columns columns{observations.channels, static_cast<int>(solution.scene.lights.size())};
+  const Covariance covariance = Invert(solution, observations, columns, options);
+  const Reported at = Report(solution.scene, observations, order);
+  const Eigen::VectorXd values = Flatten(at, at);
+  const auto n = static_cast<Eigen::Index>(covariance.unknowns.size());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(values.size(), n);
+  Eigen::VectorXd unknown = Eigen::VectorXd::Zero(values.size());  // 1: depends on the undetermined
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int column = covariance.unknowns[static_cast<std::size_t>(i)];
+    const bool undetermined = covariance.undetermined[static_cast<std::size_t>(i)];
+    const double sigma = std::sqrt(covariance.matrix(i, i));
+    const double step = undetermined || !(sigma > 0.0) ? 1e-6 : std::min(1e-3 * sigma, 1e-4);
+    const auto moved = [&](double by) {
+      return Flatten(Report(Moved(solution.scene, columns, column, by), observations, order), at);
+    };
+    jacobian.col(i) = (moved(step) - moved(-step)) / (2.0 * step);
+    if (undetermined)
+      for (Eigen::Index q = 0; q < values.size(); ++q)
+        if (std::abs(jacobian(q, i)) > 1e-6 * std::abs(values[q])) unknown[q] = 1.0;
+  }
+  Eigen::MatrixXd result = jacobian * covariance.matrix * jacobian.transpose();
+  const auto sigma = [&](Eigen::Index q) {
+    return unknown[q] > 0.0 ? kUnknown : std::sqrt(std::max(result(q, q), 0.0));
+  };
+  const auto sigma3 = [&](Eigen::Index q) {
+    return Eigen::Vector3d(sigma(q), sigma(q + 1), sigma(q + 2));
+  };
+  Uncertainty out;
+  for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(order.size()); ++l) {
+    const Eigen::Index q = kPerLight * l;
+    LightSigma& light = out.lights.emplace_back();
+    light.direction = unknown[q] + unknown[q + 1] > 0.0
+                          ? kUnknown
+                          : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
+    light.inverse_distance = sigma(q + 2);
+    light.intensity = sigma(q + 3);
+    light.diffuse_product = sigma3(q + 4);
+    light.specular_product = sigma(q + 7);
+    light.position_covariance = result.block<3, 3>(q + 8, q + 8);
+    light.distance = sigma(q + 11);
+  }
+  const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(order.size());
+  out.albedo = sigma3(s);
+  out.ambient = sigma(s + 3);
+  out.diffuse = sigma(s + 4);
+  out.specular = sigma(s + 5);
+  out.shininess = sigma(s + 6);
+  out.roughness = sigma(s + 7);
+  out.ambient_product = sigma3(s + 8);
+  out.condition = covariance.condition;
+  out.weak = covariance.weak;
+  return out;
+}
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,62 @@
+// From the normal equations at a solution to standard deviations of what is reported.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "estimator/observations.h"
+#include "estimator/scene.h"
+#include "estimator/solver.h"
+
+namespace turnlight::estimator {
+
+// What is reported about a scene, in W and in the gauge of the results (max(albedo) = 1, light 0
+// has intensity 1), lights in a fixed order.
+struct ReportedLight {
+  Light light;
+  Eigen::Vector3d direction_at_reference;  // from the reference point
+  Eigen::Vector3d diffuse_product;         // O k_d I
+  double specular_product = 0.0;           // k_s I
+};
+struct Reported {
+  std::vector<ReportedLight> lights;
+  Reflectance reflectance;
+  Eigen::Vector3d ambient_product;  // O k_a
+};
+
+// order[i]: which of the scene's lights is reported as number i.
+Reported Report(const Scene& solver_scene, const Observations& observations,
+                const std::vector<std::size_t>& order);
+// Strongest (at W's origin) first.
+std::vector<std::size_t> StrengthOrder(const Scene& solver_scene, const Observations& observations);
+
+// Standard deviations of the same quantities; NaN where the data do not determine one.
+struct LightSigma {
+  double direction =
+      0.0;  // radians: square root of the larger eigenvalue of the tangent covariance
+  double inverse_distance = 0.0;
+  double intensity = 0.0;
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();  // meaningful for rho > 0
+  double distance = 0.0;
+  Eigen::Vector3d diffuse_product = Eigen::Vector3d::Zero();
+  double specular_product = 0.0;
+};
+struct Uncertainty {
+  std::vector<LightSigma> lights;
+  Eigen::Vector3d albedo = Eigen::Vector3d::Zero();
+  double ambient = 0.0, diffuse = 0.0, specular = 0.0, shininess = 0.0, roughness = 0.0;
+  Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();
+  double condition = 0.0;         // of the column-scaled normal equations, free columns
+  std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
+};
+
+// Gauss-Newton covariance at a solution, residuals taken as independent: s^2 (J^T J)^-1 with
+// s^2 = sum r^2 / (values - parameters), carried to the reported quantities by their derivatives
+// (central differences). Inverse distances and the specular coefficient count as free at their
+// bound of 0, so that a light that looks distant still has a sigma.
+Uncertainty StatisticalUncertainty(const Solution& solution, const Observations& observations,
+                                   const std::vector<std::size_t>& order,
+                                   const SolveOptions& options);
+
+}  // namespace turnlight::estimator
