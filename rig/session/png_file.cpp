@@ -1,6 +1,6 @@
-// PNG by OpenCV (libpng), after this file has walked the chunks: OpenCV returns a picture with
-// missing rows for some truncated files, and its decoder writes to stderr about chunks that do not
-// matter.
+// PNG by OpenCV (libpng), after this file has walked the chunks: the size is checked before memory
+// is taken, damage is told by its kind, palettes and alpha are seen before they are converted away,
+// and the decoder, which writes to standard error about damage and odd chunks, gets neither.
 #include <zlib.h>
 
 #include <limits>
