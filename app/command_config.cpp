@@ -1,0 +1,43 @@
+#include <iostream>
+#include <memory>
+
+#include "app/command.h"
+#include "rig/sim/synthetic_config.h"
+
+namespace turnlight::app {
+namespace {
+
+int Check(const std::string& file) {
+  const auto config = rig::ReadSyntheticConfig(file);
+  if (!config) return Fail(config.error());
+  std::cout << file << ": good" << std::endl;
+  return kDone;
+}
+
+int Show(const std::string& file) {
+  const auto config = rig::ReadSyntheticConfig(file);
+  if (!config) return Fail(config.error());
+  std::cout << rig::ToYaml(*config) << std::flush;
+  return kDone;
+}
+
+void AddPart(CLI::App& parent, Action& action, const std::string& name,
+             const std::string& description, int (*run)(const std::string&)) {
+  CLI::App* command = AddCommand(parent, name, description,
+                                 "turnlight config " + name + " configs/synthetic_sphere.yaml");
+  auto file = std::make_shared<std::string>();
+  command->add_option("CONFIG", *file, "A YAML file for turnlight synthesize")->required();
+  command->callback([file, run, &action] { action = [file, run] { return run(*file); }; });
+}
+
+}  // namespace
+
+void AddConfig(CLI::App& program, Action& action) {
+  CLI::App* command = program.add_subcommand("config", "Check a configuration, or show all of it");
+  command->require_subcommand(1);
+  command->footer("Example:\n  turnlight config show configs/synthetic_sphere.yaml");
+  AddPart(*command, action, "check", "Check a configuration without running it", Check);
+  AddPart(*command, action, "show", "Print every key with its value, defaults included", Show);
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,108 @@
+#include "app/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "app/command.h"
+#include "app/interrupt.h"
+#include "app/suggest.h"
+#include "app/version.h"
+
+namespace turnlight::app {
+namespace {
+
+void Configure(CLI::App& program, Action& action) {
+  program.require_subcommand(1);
+  program.set_version_flag("--version", VersionText());
+  program.footer(
+      "Example:\n  turnlight estimate my_session --out result\n\n"
+      "turnlight COMMAND --help explains a command.");
+  AddEstimate(program, action);
+  AddRender(program, action);
+  AddSynthesize(program, action);
+  AddVerify(program, action);
+  AddConfig(program, action);
+}
+
+// The command that the line got to, "config show" for example.
+const CLI::App& Innermost(const CLI::App& program) {
+  const auto chosen = program.get_subcommands();
+  return chosen.empty() ? program : Innermost(*chosen.front());
+}
+
+std::vector<std::string> OptionNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::vector<std::string> CommandNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands(nullptr)) names.push_back(sub->get_name());
+  return names;
+}
+
+// CLI11 reports the first thing that it noticed, which may be a consequence of a misspelt word: the
+// unknown word is what the user wants to hear of.
+std::string UnknownWord(const CLI::App& program) {
+  const CLI::App& command = Innermost(program);
+  for (const std::string& word : command.remaining()) {
+    const bool is_option = word.size() > 1 && word[0] == '-';
+    const bool wants_command = !is_option && !CommandNames(command).empty();
+    if (!is_option && !wants_command) continue;
+    const std::string name = word.substr(0, word.find('='));
+    const std::string nearest =
+        Nearest(name, is_option ? OptionNames(command) : CommandNames(command));
+    return (is_option ? "unknown option " : "unknown command ") + name +
+           (nearest.empty() ? "" : ", did you mean " + nearest + "?");
+  }
+  return "";
+}
+
+std::string FullName(const CLI::App& command) {
+  return command.get_parent() ? FullName(*command.get_parent()) + " " + command.get_name()
+                              : command.get_name();
+}
+
+int Refuse(const CLI::App& program, const CLI::ParseError& error) {
+  const std::string unknown = UnknownWord(program);
+  std::cerr << "turnlight: " << (unknown.empty() ? error.what() : unknown) << "\n"
+            << FullName(Innermost(program)) << " --help shows what is allowed" << std::endl;
+  return kRefused;
+}
+
+int ParseAndRun(int argc, char** argv) {
+  CLI::App program(
+      "Estimates the lights around a target and how its surface reflects them, with "
+      "error bars, from photographs with known poses.",
+      "turnlight");
+  Action action;
+  Configure(program, action);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return program.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    return Refuse(program, error);
+  }
+  return action();
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  InstallInterruptHandler();
+  try {
+    return ParseAndRun(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return Fail({ErrorKind::kSystem, "not enough memory for this input"});
+  } catch (const std::exception& error) {
+    return Fail({ErrorKind::kSystem, std::string("unexpected: ") + error.what()});
+  }
+}
+
+}  // namespace turnlight::app

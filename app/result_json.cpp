@@ -1,0 +1,234 @@
+#include "app/result_json.h"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "base/angles.h"
+#include "rig/sim/scene_file.h"
+
+namespace turnlight::app {
+namespace {
+
+using estimator::Estimate;
+using estimator::LightEstimate;
+using nlohmann::ordered_json;
+
+ordered_json ToJson(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json ToJson(const std::optional<double>& value) {
+  return value ? ToJson(*value) : ordered_json(nullptr);
+}
+
+ordered_json ToJson(const Eigen::Vector3d& v) {
+  return ordered_json::array({ToJson(v.x()), ToJson(v.y()), ToJson(v.z())});
+}
+
+ordered_json ToJson(const Eigen::Matrix3d& m) {
+  ordered_json rows = ordered_json::array();
+  for (int row = 0; row < 3; ++row) rows.push_back(ToJson(Eigen::Vector3d(m.row(row))));
+  return rows;
+}
+
+template <typename T>
+ordered_json ToJson(const std::optional<T>& value) {
+  return value ? ToJson(*value) : ordered_json(nullptr);
+}
+
+bool HasLobe(const Estimate& estimate) {
+  return estimate.reflectance.specular_model != estimator::SpecularModel::kNone;
+}
+
+bool IsOrenNayar(const Estimate& estimate) {
+  return estimate.reflectance.diffuse_model == estimator::DiffuseModel::kOrenNayar;
+}
+
+ordered_json ModelToJson(const Estimate& estimate) {
+  ordered_json json;
+  json["lights"] = estimate.lights.size();
+  json["near"] = ordered_json::array();
+  for (const LightEstimate& light : estimate.lights) json["near"].push_back(light.near);
+  json["diffuse"] = rig::ModelWord(estimate.reflectance.diffuse_model);
+  json["specular"] = rig::ModelWord(estimate.reflectance.specular_model);
+  json["albedo"] = "uniform";
+  json["ladder"] = ordered_json::array();
+  for (const estimator::Rung& rung : estimate.ladder)
+    json["ladder"].push_back(
+        ordered_json{{"rung", rung.rung}, {"accepted", rung.accepted}, {"why", rung.why}});
+  return json;
+}
+
+ordered_json LightToJson(const LightEstimate& estimate) {
+  ordered_json json;
+  json["direction"] = ToJson(estimate.light.direction);
+  json["direction_sigma_deg"] = ToJson(RadToDeg(estimate.direction_sigma));
+  json["inverse_distance"] = ToJson(estimate.light.inverse_distance);
+  json["inverse_distance_sigma"] = ToJson(estimate.inverse_distance_sigma);
+  json["distance"] = ToJson(estimate.distance);
+  json["distance_sigma"] = ToJson(estimate.distance_sigma);
+  json["distance_min"] = ToJson(estimate.distance_min);
+  json["position"] = ToJson(estimate.position);
+  json["position_covariance"] = ToJson(estimate.position_covariance);
+  json["direction_at_reference"] = ToJson(estimate.direction_at_reference);
+  json["intensity"] = ToJson(estimate.light.intensity);
+  json["intensity_sigma"] = ToJson(estimate.intensity_sigma);
+  if (estimate.light.color != Eigen::Vector3d::Ones()) json["color"] = ToJson(estimate.light.color);
+  return json;
+}
+
+ordered_json SigmaToJson(const Estimate& estimate) {
+  ordered_json json;
+  json["albedo"] = ToJson(estimate.sigma.albedo);
+  json["ambient"] = ToJson(estimate.sigma.ambient);
+  json["diffuse"] = ToJson(estimate.sigma.diffuse);
+  json["specular"] = HasLobe(estimate) ? ToJson(estimate.sigma.specular) : ordered_json(nullptr);
+  json["shininess"] = ToJson(estimate.sigma.shininess);
+  if (IsOrenNayar(estimate)) {
+    const auto roughness = estimate.sigma.roughness;
+    json["roughness_deg"] = roughness ? ToJson(RadToDeg(*roughness)) : ordered_json(nullptr);
+  }
+  return json;
+}
+
+ordered_json ReflectanceToJson(const Estimate& estimate) {
+  const estimator::Reflectance& reflectance = estimate.reflectance;
+  ordered_json json;
+  json["albedo"] = ToJson(reflectance.albedo);
+  json["ambient"] = ToJson(reflectance.ambient);
+  json["diffuse"] = ToJson(reflectance.diffuse);
+  json["specular"] = HasLobe(estimate) ? ToJson(reflectance.specular) : ordered_json(0.0);
+  json["shininess"] = HasLobe(estimate) ? ToJson(reflectance.shininess) : ordered_json(nullptr);
+  if (IsOrenNayar(estimate)) json["roughness_deg"] = ToJson(RadToDeg(reflectance.roughness));
+  json["lobe"] = nullptr;
+  if (HasLobe(estimate))
+    json["lobe"] = ordered_json{{"peak", ToJson(reflectance.specular)},
+                                {"fwhm_deg", ToJson(LobeWidthDeg(reflectance))}};
+  json["sigma"] = SigmaToJson(estimate);
+  return json;
+}
+
+ordered_json ProductsToJson(const Estimate& estimate) {
+  ordered_json json;
+  for (const char* key : {"diffuse", "diffuse_sigma"}) json[key] = ordered_json::array();
+  json["ambient"] = ToJson(estimate.ambient_product);
+  json["ambient_sigma"] = ToJson(estimate.ambient_product_sigma);
+  for (const char* key : {"specular", "specular_sigma"}) json[key] = ordered_json::array();
+  for (const LightEstimate& light : estimate.lights) {
+    json["diffuse"].push_back(ToJson(light.diffuse_product));
+    json["diffuse_sigma"].push_back(ToJson(light.diffuse_product_sigma));
+    json["specular"].push_back(ToJson(light.specular_product));
+    json["specular_sigma"].push_back(ToJson(light.specular_product_sigma));
+  }
+  return json;
+}
+
+// "1", "1 and 3", "1, 2 and 3": lights as people count them.
+std::string List(const std::vector<std::size_t>& numbers) {
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i > 0) text += i + 1 == numbers.size() ? " and " : ", ";
+    text += std::to_string(numbers[i]);
+  }
+  return text;
+}
+
+// Why some values of the file are null, where the estimator has not said it ("distance-unknown",
+// "no-highlight").
+std::vector<estimator::Note> NotesOnNulls(const Estimate& estimate) {
+  std::vector<estimator::Note> notes;
+  std::vector<std::size_t> unbounded;
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i)
+    if (!estimate.lights[i].distance_min) unbounded.push_back(i + 1);
+  if (!unbounded.empty())
+    notes.push_back({"null-distance-min", "distance_min is null for light " + List(unbounded) +
+                                              ": the data do not bound its distance from below."});
+  if (!estimate.lights.empty() && !estimate.lights.front().intensity_sigma)
+    notes.push_back({"null-intensity-sigma",
+                     "intensity_sigma is null for light 1: the strongest light's intensity is 1 by "
+                     "definition; the sigmas of products do not depend on that."});
+  if (!std::isfinite(estimate.condition))
+    notes.push_back({"null-condition",
+                     "identifiability/condition is null: the normal equations are singular."});
+  return notes;
+}
+
+// The sigmas that came out null: "lights/0/direction_sigma_deg", ...
+void CollectNullSigmas(const ordered_json& json, const std::string& path, std::string& list) {
+  const bool is_sigma = path.find("sigma") != std::string::npos;
+  const bool explained =
+      path.ends_with("distance_sigma") && !path.ends_with("inverse_distance_sigma");
+  if (json.is_null() && is_sigma && !explained) list += (list.empty() ? "" : ", ") + path;
+  if (json.is_structured())
+    for (const auto& [key, value] : json.items())
+      CollectNullSigmas(value, path.empty() ? key : path + "/" + key, list);
+}
+
+void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
+  std::string list;
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
+    ordered_json light = json["lights"][i];
+    if (i == 0) light.erase("intensity_sigma");
+    CollectNullSigmas(light, "lights/" + std::to_string(i), list);
+  }
+  ordered_json reflectance = json["reflectance"]["sigma"];
+  if (!HasLobe(estimate))
+    for (const char* key : {"specular", "shininess"}) reflectance.erase(key);
+  CollectNullSigmas(reflectance, "reflectance/sigma", list);
+  CollectNullSigmas(json["products"], "products", list);
+  if (!list.empty())
+    json["notes"].push_back(ordered_json{
+        {"code", "null-sigma"}, {"text", "The data do not determine the sigma of " + list + "."}});
+}
+
+ordered_json NotesToJson(const Estimate& estimate) {
+  ordered_json json = ordered_json::array();
+  const auto add = [&](const estimator::Note& note) {
+    json.push_back(ordered_json{{"code", note.code}, {"text", note.text}});
+  };
+  for (const estimator::Note& note : estimate.notes) add(note);
+  for (const estimator::Note& note : NotesOnNulls(estimate)) add(note);
+  return json;
+}
+
+}  // namespace
+
+double LobeWidthDeg(const estimator::Reflectance& reflectance) {
+  const double half = RadToDeg(std::acos(std::exp2(-1.0 / reflectance.shininess)));
+  return reflectance.specular_model == estimator::SpecularModel::kBlinnPhong ? 4.0 * half
+                                                                             : 2.0 * half;
+}
+
+ordered_json ResultToJson(const Estimate& estimate, const std::string& session_name,
+                          const std::string& method, const RunTimes& times) {
+  ordered_json json;
+  json["format"] = "turnlight-result";
+  json["version"] = 1;
+  json["session"] = session_name;
+  json["method"] = method;
+  json["reference_point"] = ToJson(estimate.reference_point);
+  json["model"] = ModelToJson(estimate);
+  json["lights"] = ordered_json::array();
+  for (const LightEstimate& light : estimate.lights) json["lights"].push_back(LightToJson(light));
+  json["reflectance"] = ReflectanceToJson(estimate);
+  json["products"] = ProductsToJson(estimate);
+  json["residual"] = ordered_json{{"initial_rms", ToJson(estimate.initial_rms)},
+                                  {"rms", ToJson(estimate.rms)},
+                                  {"pixels", estimate.pixels}};
+  json["identifiability"] =
+      ordered_json{{"condition", ToJson(estimate.condition)}, {"weak", estimate.weak}};
+  json["notes"] = NotesToJson(estimate);
+  NoteNullSigmas(estimate, json);
+  json["views"] = estimate.views;
+  json["distinct_views"] = estimate.distinct_views;
+  json["iterations"] = estimate.iterations;
+  json["stopped"] = estimate.stopped;
+  json["time_s"] = ordered_json{{"load", times.load_s},
+                                {"initial", estimate.initial_s},
+                                {"solve", estimate.solve_s},
+                                {"total", times.total_s}};
+  return json;
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,159 @@
+#include "app/scene_overrides.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "app/suggest.h"
+#include "base/angles.h"
+
+namespace turnlight::app {
+namespace {
+
+using estimator::DiffuseModel;
+using estimator::Light;
+using estimator::Reflectance;
+using estimator::Scene;
+using estimator::SpecularModel;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::optional<double> ParseNumber(const std::string& text) {
+  if (text == "inf") return kInfinity;
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::optional<std::vector<double>> ParseNumbers(const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = ParseNumber(text.substr(begin, end - begin));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+tl::unexpected<Error> BadValue(const std::string& key, const std::string& value,
+                               const std::string& allowed) {
+  return InputError("--set " + key + ": " + value + ", allowed is " + allowed);
+}
+
+Status SetNumber(const std::string& key, const std::string& value, double min, double max,
+                 const std::string& allowed, double& target) {
+  const auto number = ParseNumber(value);
+  if (!number || !(*number >= min && *number <= max && std::isfinite(*number)))
+    return BadValue(key, value, allowed);
+  target = *number;
+  return {};
+}
+
+Status SetModel(const std::string& value, Reflectance& reflectance) {
+  if (value == "phong")
+    reflectance.specular_model = SpecularModel::kPhong;
+  else if (value == "blinn-phong")
+    reflectance.specular_model = SpecularModel::kBlinnPhong;
+  else if (value == "none")
+    reflectance.specular_model = SpecularModel::kNone;
+  else
+    return BadValue("model", value, "one of phong, blinn-phong, none");
+  return {};
+}
+
+Status SetAlbedo(const std::string& value, Reflectance& reflectance) {
+  const auto numbers = ParseNumbers(value, 3);
+  for (int c = 0; numbers && c < 3; ++c) {
+    if (!((*numbers)[c] >= 0.0) || !std::isfinite((*numbers)[c]))
+      return BadValue("albedo", value, "r,g,b of at least 0");
+    reflectance.albedo[c] = (*numbers)[c];
+  }
+  if (!numbers) return BadValue("albedo", value, "r,g,b, such as 0.5,0.4,0.3");
+  return {};
+}
+
+Status SetRoughness(const std::string& value, Reflectance& reflectance) {
+  double degrees = 0.0;
+  Status status = SetNumber("roughness_deg", value, 0.0, 90.0, "a number from 0 to 90", degrees);
+  if (!status) return status;
+  reflectance.roughness = DegToRad(degrees);
+  reflectance.diffuse_model = degrees > 0.0 ? DiffuseModel::kOrenNayar : DiffuseModel::kLambert;
+  return {};
+}
+
+Status SetLight(const std::string& key, const std::string& value, Scene& scene) {
+  constexpr std::size_t kPrefix = 6;  // of "light."
+  const std::size_t dot = key.find('.', kPrefix);
+  const auto index = ParseNumber(key.substr(kPrefix, dot - kPrefix));
+  if (dot == std::string::npos || key.substr(dot) != ".intensity" || !index ||
+      *index != std::floor(*index) || *index < 0.0)
+    return InputError("--set " + key + ": unknown key, did you mean light.0.intensity?");
+  if (!(*index < static_cast<double>(scene.lights.size())))
+    return InputError("--set " + key + ": there are " + std::to_string(scene.lights.size()) +
+                      " lights, the first is light.0");
+  return SetNumber(key, value, 0.0, kInfinity, "a number of at least 0",
+                   scene.lights[static_cast<std::size_t>(*index)].intensity);
+}
+
+}  // namespace
+
+Status ApplySetting(const std::string& setting, Scene& scene) {
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return InputError("--set " + setting + ": allowed is key=value, such as shininess=80");
+  const std::string key = setting.substr(0, equals);
+  const std::string value = setting.substr(equals + 1);
+  const std::string positive = "a number of at least 0";
+  Reflectance& reflectance = scene.reflectance;
+  if (key == "model") return SetModel(value, reflectance);
+  if (key == "albedo") return SetAlbedo(value, reflectance);
+  if (key == "ambient") return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.ambient);
+  if (key == "diffuse") return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.diffuse);
+  if (key == "specular")
+    return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.specular);
+  if (key == "shininess")
+    return SetNumber(key, value, 0.5, 1e5, "a number from 0.5 to 100000", reflectance.shininess);
+  if (key == "roughness_deg") return SetRoughness(value, reflectance);
+  if (key.starts_with("light.")) return SetLight(key, value, scene);
+  const std::vector<std::string> keys = {"model",         "albedo",           "ambient",
+                                         "diffuse",       "specular",         "shininess",
+                                         "roughness_deg", "light.0.intensity"};
+  const std::string nearest = Nearest(key, keys);
+  if (!nearest.empty())
+    return InputError("--set " + key + ": unknown key, did you mean " + nearest + "?");
+  std::string all;
+  for (const std::string& word : keys) all += (all.empty() ? "" : ", ") + word;
+  return InputError("--set " + key + ": unknown key, allowed are " + all);
+}
+
+Result<Light> ParseLight(const std::string& text) {
+  const auto numbers = ParseNumbers(text, 5);
+  const std::string begin = "--light " + text + ": ";
+  if (!numbers)
+    return InputError(begin +
+                      "allowed are five numbers x,y,z,distance,intensity, such as "
+                      "0,0.5,1,900,1; the distance may be inf");
+  const Eigen::Vector3d direction((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  const double distance = (*numbers)[3];
+  const double intensity = (*numbers)[4];
+  if (!direction.allFinite() || !(direction.stableNorm() > 1e-100))
+    return InputError(begin + "the direction has no finite length, allowed is any other vector");
+  if (!(distance > 0.0)) return InputError(begin + "the distance must be above 0, or inf");
+  if (!(intensity >= 0.0) || !std::isfinite(intensity))
+    return InputError(begin + "the intensity must be a finite number of at least 0");
+  Light light;
+  light.direction = direction.stableNormalized();
+  light.inverse_distance = 1.0 / distance;
+  light.intensity = intensity;
+  return light;
+}
+
+}  // namespace turnlight::app

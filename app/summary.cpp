@@ -1,0 +1,132 @@
+#include "app/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "app/result_json.h"
+#include "base/angles.h"
+#include "rig/sim/scene_file.h"
+
+namespace turnlight::app {
+namespace {
+
+using estimator::Estimate;
+using estimator::LightEstimate;
+
+constexpr const char* kPlusMinus = " \u00b1 ";
+
+template <typename... T>
+std::string Format(const char* format, T... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+std::string Plural(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+// Two columns: what, and the values.
+std::string Row(const std::string& what, const std::string& values) {
+  return Format("  %-12s", what.c_str()) + values + "\n";
+}
+
+std::string ModelText(const Estimate& estimate) {
+  const auto near = std::count_if(estimate.lights.begin(), estimate.lights.end(),
+                                  [](const LightEstimate& light) { return light.near; });
+  const auto distant = static_cast<std::ptrdiff_t>(estimate.lights.size()) - near;
+  std::string text = Plural(estimate.lights.size(), "light");
+  if (near > 0 && distant > 0)
+    text += " (" + std::to_string(near) + " near, " + std::to_string(distant) + " distant)";
+  else
+    text += near > 0 ? " (near)" : " (distant)";
+  text += estimate.reflectance.diffuse_model == estimator::DiffuseModel::kLambert ? ", Lambert"
+                                                                                  : ", Oren-Nayar";
+  switch (estimate.reflectance.specular_model) {
+    case estimator::SpecularModel::kNone:
+      return text + ", no highlight";
+    case estimator::SpecularModel::kPhong:
+      return text + " + Phong";
+    case estimator::SpecularModel::kBlinnPhong:
+      return text + " + Blinn-Phong";
+  }
+  return text;
+}
+
+std::string DistanceText(const LightEstimate& light, const std::string& unit) {
+  if (light.near && light.distance)
+    return "distance " + Measure(*light.distance, light.distance_sigma.value_or(0.0)) + " " + unit;
+  if (light.distance_min)
+    return "distant (beyond " + Format("%.3g", *light.distance_min) + " " + unit + ", 95 %)";
+  return "distance unknown";
+}
+
+std::string LightText(const LightEstimate& light, const std::string& unit) {
+  const Eigen::Vector3d& u = light.light.direction;
+  return Format("(%+.4f, %+.4f, %+.4f)", u.x(), u.y(), u.z()) + kPlusMinus +
+         Format("%.2g\u00b0", RadToDeg(light.direction_sigma)) + "   " + DistanceText(light, unit) +
+         "   intensity " + Measure(light.light.intensity, light.intensity_sigma.value_or(0.0));
+}
+
+std::string ReflectanceText(const Estimate& estimate) {
+  const estimator::Reflectance& r = estimate.reflectance;
+  std::string text =
+      Row("albedo", Measure(r.albedo[0], estimate.sigma.albedo[0]) + ",  " +
+                        Measure(r.albedo[1], estimate.sigma.albedo[1]) + ",  " +
+                        Measure(r.albedo[2], estimate.sigma.albedo[2])) +
+      Row("ambient", Measure(r.ambient, estimate.sigma.ambient)) +
+      Row("diffuse", Measure(r.diffuse, estimate.sigma.diffuse) +
+                         (r.diffuse_model == estimator::DiffuseModel::kOrenNayar
+                              ? ",  roughness " +
+                                    Measure(RadToDeg(r.roughness),
+                                            RadToDeg(estimate.sigma.roughness.value_or(0.0))) +
+                                    "\u00b0"
+                              : ""));
+  if (r.specular_model == estimator::SpecularModel::kNone) return text + Row("specular", "none");
+  return text + Row("specular", Measure(r.specular, estimate.sigma.specular) + ",  shininess " +
+                                    Measure(r.shininess, estimate.sigma.shininess.value_or(0.0)) +
+                                    Format(" (highlight %.3g\u00b0 wide)", LobeWidthDeg(r)));
+}
+
+std::string LadderText(const Estimate& estimate) {
+  std::string text;
+  for (const estimator::Rung& rung : estimate.ladder)
+    text += std::string("  ") + (rung.accepted ? "yes  " : "no   ") + rung.rung +
+            (rung.why.empty() ? "" : ": " + rung.why) + "\n";
+  return text.empty() ? text : "\ndecisions\n" + text;
+}
+
+std::string NotesText(const Estimate& estimate) {
+  std::string text;
+  for (const estimator::Note& note : estimate.notes)
+    text += "  " + note.code + ": " + note.text + "\n";
+  for (const std::string& weak : estimate.weak) text += "  weak: " + weak + "\n";
+  return text.empty() ? text : "\nnotes\n" + text;
+}
+
+}  // namespace
+
+std::string Measure(double value, double sigma) {
+  if (!(sigma > 0.0) || !std::isfinite(sigma) || !std::isfinite(value))
+    return Format("%.4g", value);
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 12);
+  return Format("%.*f", digits, value) + kPlusMinus + Format("%.*f", digits, sigma);
+}
+
+std::string Summary(const Estimate& estimate, const std::string& session_name,
+                    const std::string& length_unit) {
+  std::string text = session_name + ": " +
+                     Plural(static_cast<std::size_t>(estimate.views), "view") + ", " +
+                     Plural(estimate.pixels, "pixel") + "\n\n";
+  text += Row("model", ModelText(estimate));
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i)
+    text += Row("light " + std::to_string(i + 1), LightText(estimate.lights[i], length_unit));
+  text += ReflectanceText(estimate);
+  text += Row("residual",
+              Format("%.3g rms of white, from %.3g at the start; %d iterations, %s", estimate.rms,
+                     estimate.initial_rms, estimate.iterations, estimate.stopped.c_str()));
+  return text + LadderText(estimate) + NotesText(estimate);
+}
+
+}  // namespace turnlight::app

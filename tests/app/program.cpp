@@ -1,0 +1,93 @@
+#include "tests/app/program.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "rig/sim/synthetic_session.h"
+
+namespace turnlight::app {
+namespace {
+
+// Starts the program with its two outputs sent to files.
+pid_t Spawn(const std::vector<std::string>& arguments, const std::string& out,
+            const std::string& err) {
+  std::vector<char*> argv{const_cast<char*>(TURNLIGHT_PROGRAM)};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  const int flags = O_WRONLY | O_CREAT | O_TRUNC;
+  ::dup2(::open(out.c_str(), flags, 0600), STDOUT_FILENO);
+  ::dup2(::open(err.c_str(), flags, 0600), STDERR_FILENO);
+  ::execv(TURNLIGHT_PROGRAM, argv.data());
+  ::_exit(127);
+}
+
+}  // namespace
+
+pid_t Start(const std::vector<std::string>& arguments) {
+  return Spawn(arguments, "/dev/null", "/dev/null");
+}
+
+int Finish(pid_t process) {
+  int status = 0;
+  if (::waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status);
+}
+
+Outcome RunProgram(const std::vector<std::string>& arguments) {
+  const TemporaryFolder folder;
+  Outcome outcome;
+  outcome.exit_code = Finish(Spawn(arguments, folder / "out", folder / "err"));
+  outcome.out = ReadText(folder / "out");
+  outcome.err = ReadText(folder / "err");
+  return outcome;
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "turnlight-XXXXXX").string();
+  path_ = ::mkdtemp(name.data());
+}
+
+TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+rig::SyntheticConfig SmallConfig() {
+  rig::SyntheticConfig config;
+  config.name = "small";
+  config.motion.frames = 3;
+  config.motion.step_deg = 120.0;
+  config.camera = {80, 60, 170.0, {}};
+  config.lights = std::vector<rig::LightSpec>{{{0.4, 0.3, 0.85}, 600.0, 1.0, {1, 1, 1}}};
+  estimator::Reflectance reflectance;
+  reflectance.albedo = {0.5, 0.4, 0.3};
+  reflectance.ambient = 0.1;
+  reflectance.diffuse = 0.7;
+  reflectance.specular = 0.3;
+  reflectance.shininess = 30.0;
+  config.reflectance = reflectance;
+  return config;
+}
+
+void WriteSession(const rig::SyntheticConfig& config, const std::filesystem::path& folder) {
+  const auto report = rig::WriteSynthetic(config, folder);
+  ASSERT_TRUE(report) << report.error().text;
+}
+
+}  // namespace turnlight::app

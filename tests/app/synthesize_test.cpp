@@ -1,0 +1,125 @@
+// Proves that `synthesize` writes a session that `verify` finds good, the same one each time, that
+// it never writes over anything, that Ctrl-C leaves no half session, and that `config` shows what
+// was used. Does not prove what is in the pictures; tests/rig/sim does.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/app/program.h"
+
+namespace turnlight::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kConfig =
+    "seed: 3\nmotion: {frames: 2}\ncamera: {size: [64, 48], focal_px: 120}\n"
+    "sensor: {noise_relative: 0.01}\n";
+
+TEST(Synthesize, WritesAGoodSessionTheSameEachTime) {
+  const TemporaryFolder folder;
+  WriteText(folder / "c.yaml", kConfig);
+  std::string first;
+  for (const std::string threads : {"1", "7"}) {
+    const Outcome made = RunProgram(
+        {"synthesize", folder / "c.yaml", "--out", folder / threads, "--threads", threads});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    const Outcome verified = RunProgram({"verify", folder / threads});
+    EXPECT_EQ(verified.exit_code, 0) << verified.out;
+    EXPECT_THAT(verified.out, HasSubstr("2 frames"));
+    const std::string hash = verified.out.substr(verified.out.find("sha256"));
+    if (first.empty()) first = hash;
+    EXPECT_EQ(hash, first);
+  }
+}
+
+TEST(Synthesize, NeverWritesOver) {
+  const TemporaryFolder folder;
+  WriteText(folder / "c.yaml", kConfig);
+  const Outcome in_use = RunProgram({"synthesize", folder / "c.yaml", "--out", folder.path()});
+  EXPECT_EQ(in_use.exit_code, 2);
+  EXPECT_THAT(in_use.err, HasSubstr("not empty"));
+  const Outcome file = RunProgram({"synthesize", folder / "c.yaml", "--out", folder / "c.yaml"});
+  EXPECT_EQ(file.exit_code, 2);
+  EXPECT_THAT(file.err, HasSubstr("is a file"));
+}
+
+TEST(Synthesize, RemarksOnClipping) {
+  const TemporaryFolder folder;
+  WriteText(folder / "c.yaml",
+            std::string(kConfig) + "lights: [{direction: [0, 0, 1], intensity: 9}]\n");
+  const Outcome outcome = RunProgram({"synthesize", folder / "c.yaml", "--out", folder / "s"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("remark: "));
+  EXPECT_THAT(outcome.err, HasSubstr("clipped"));
+}
+
+TEST(Synthesize, CtrlCLeavesNoSession) {
+  const TemporaryFolder folder;
+  WriteText(folder / "c.yaml", "motion: {frames: 2000}\ncamera: {size: [64, 48], focal_px: 120}\n");
+  const pid_t process = Start({"synthesize", folder / "c.yaml", "--out", folder / "s"});
+  for (int i = 0; i < 3000 && !std::filesystem::exists(folder / "s/frames/001.png"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(::kill(process, SIGINT), 0);
+  EXPECT_EQ(Finish(process), 130);
+  EXPECT_TRUE(std::filesystem::exists(folder / "s/frames/001.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "s/session.json"));
+  // Every file is whole: none has a temporary beside it.
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "s"))
+    EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".png") << entry.path();
+}
+
+TEST(Config, ChecksAndShows) {
+  const TemporaryFolder folder;
+  WriteText(folder / "c.yaml", kConfig);
+  EXPECT_EQ(RunProgram({"config", "check", folder / "c.yaml"}).exit_code, 0);
+  const Outcome shown = RunProgram({"config", "show", folder / "c.yaml"});
+  EXPECT_EQ(shown.exit_code, 0);
+  EXPECT_THAT(shown.out, HasSubstr("seed: 3\n"));
+  EXPECT_THAT(shown.out, HasSubstr("samples_per_side: 5\n"));  // a default
+  WriteText(folder / "shown.yaml", shown.out);
+  EXPECT_EQ(RunProgram({"config", "show", folder / "shown.yaml"}).out, shown.out);
+}
+
+TEST(Config, RefusesByFileLineAndKey) {
+  const TemporaryFolder folder;
+  WriteText(folder / "c.yaml", "seed: 3\nmotion: {frames: 0}\n");
+  for (const std::string command : {"check", "show"}) {
+    const Outcome outcome = RunProgram({"config", command, folder / "c.yaml"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("c.yaml:2: motion/frames: 0"));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(Config, TheExamplesAreGood) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TURNLIGHT_SOURCE_DIR "/configs")) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++count;
+    const Outcome outcome = RunProgram({"config", "check", entry.path()});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  EXPECT_GE(count, 4);
+}
+
+TEST(Config, TheShippedSessionIsTheOneItsConfigMakes) {
+  const TemporaryFolder folder;
+  const std::string configs = TURNLIGHT_SOURCE_DIR "/configs/";
+  const Outcome made =
+      RunProgram({"synthesize", configs + "example_session.yaml", "--out", folder / "again"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Outcome again = RunProgram({"verify", folder / "again"});
+  const Outcome shipped = RunProgram({"verify", configs + "example_session"});
+  EXPECT_EQ(shipped.exit_code, 0) << shipped.out;
+  const auto hash = [](const Outcome& outcome) {
+    return outcome.out.substr(outcome.out.find("sha256"));
+  };
+  EXPECT_EQ(hash(shipped), hash(again));
+}
+
+}  // namespace
+}  // namespace turnlight::app

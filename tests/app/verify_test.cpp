@@ -1,0 +1,57 @@
+// Proves that `verify` tells a good session from one with bad frames and from one that is bad as a
+// whole, by exit code and in words. Does not list all that can be wrong; bad_inputs_test and
+// tests/rig/session do.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/app/program.h"
+
+namespace turnlight::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Verify, AGoodSession) {
+  const TemporaryFolder folder;
+  WriteSession(SmallConfig(), folder / "s");
+  const Outcome outcome = RunProgram({"verify", folder / "s"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("good, 3 frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("content sha256 "));
+}
+
+TEST(Verify, OneBadFrameIsIncomplete) {
+  const TemporaryFolder folder;
+  WriteSession(SmallConfig(), folder / "s");
+  const std::string image = ReadText(folder / "s/frames/001.png");
+  WriteText(folder / "s/frames/001.png", image.substr(0, image.size() / 2));
+  const Outcome outcome = RunProgram({"verify", folder / "s"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("problem: frame 1"));
+  EXPECT_THAT(outcome.out, HasSubstr("1 problem, 2 good frames"));
+  EXPECT_THAT(outcome.out, ::testing::Not(HasSubstr("content sha256")));
+}
+
+TEST(Verify, AllFramesBadIsRefused) {
+  const TemporaryFolder folder;
+  WriteSession(SmallConfig(), folder / "s");
+  for (const std::string name : {"000", "001", "002"})
+    std::filesystem::remove(folder / ("s/frames/" + name + ".png"));
+  const Outcome outcome = RunProgram({"verify", folder / "s"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.out, HasSubstr("3 problems, 0 good frames"));
+}
+
+TEST(Verify, ABadSessionIsRefused) {
+  const TemporaryFolder folder;
+  WriteSession(SmallConfig(), folder / "s");
+  std::filesystem::remove(folder / "s/camera.cameramodel");
+  const Outcome no_camera = RunProgram({"verify", folder / "s"});
+  EXPECT_EQ(no_camera.exit_code, 2);
+  EXPECT_THAT(no_camera.out + no_camera.err, HasSubstr("camera.cameramodel"));
+  WriteText(folder / "s/session.json", "{");
+  EXPECT_EQ(RunProgram({"verify", folder / "s"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace turnlight::app
