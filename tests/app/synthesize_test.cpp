@@ -6,8 +6,12 @@
 #include <signal.h>
 
 #include <chrono>
+#include <opencv2/core.hpp>
 #include <thread>
 
+#include "rig/session/session.h"
+#include "rig/sim/synthetic_config.h"
+#include "rig/sim/synthetic_session.h"
 #include "tests/app/program.h"
 
 namespace turnlight::app {
@@ -106,19 +110,25 @@ TEST(Config, TheExamplesAreGood) {
   EXPECT_GE(count, 4);
 }
 
+// To a step of the pictures, not to the byte: the processor's sine may differ in the last bit.
 TEST(Config, TheShippedSessionIsTheOneItsConfigMakes) {
-  const TemporaryFolder folder;
   const std::string configs = TURNLIGHT_SOURCE_DIR "/configs/";
-  const Outcome made =
-      RunProgram({"synthesize", configs + "example_session.yaml", "--out", folder / "again"});
-  ASSERT_EQ(made.exit_code, 0) << made.err;
-  const Outcome again = RunProgram({"verify", folder / "again"});
-  const Outcome shipped = RunProgram({"verify", configs + "example_session"});
-  EXPECT_EQ(shipped.exit_code, 0) << shipped.out;
-  const auto hash = [](const Outcome& outcome) {
-    return outcome.out.substr(outcome.out.find("sha256"));
-  };
-  EXPECT_EQ(hash(shipped), hash(again));
+  EXPECT_EQ(RunProgram({"verify", configs + "example_session"}).exit_code, 0);
+  const auto session = rig::ReadSession(configs + "example_session");
+  ASSERT_TRUE(session) << session.error().text;
+  const auto config = rig::ReadSyntheticConfig(configs + "example_session.yaml");
+  ASSERT_TRUE(config) << config.error().text;
+  const auto made = rig::SynthesizeInMemory(*config);
+  ASSERT_TRUE(made) << made.error().text;
+  ASSERT_EQ(session->frames.size(), made->frames.size());
+  for (std::size_t i = 0; i < made->frames.size(); ++i) {
+    const auto images = rig::ReadFrameImages(*session, i);
+    ASSERT_TRUE(images) << images.error().text;
+    ASSERT_EQ(images->image.type(), made->frames[i].image.type());
+    EXPECT_LE(cv::norm(images->image, made->frames[i].image, cv::NORM_INF), 1.0);
+    EXPECT_LE(cv::norm(images->image, made->frames[i].image, cv::NORM_L1), 10.0);
+    EXPECT_TRUE(session->frames[i].X_WC.rotation.isApprox(made->frames[i].X_WC.rotation, 1e-12));
+  }
 }
 
 }  // namespace
