@@ -177,6 +177,12 @@ double ExcessVariance(double cost, const Observations& observations, double nois
   return std::max(2.0 * cost / values - noise * noise, 0.0) + kExcessFloor * kExcessFloor;
 }
 
+bool NothingLeft(double excess, const Observations& observations, double noise) {
+  const double values = static_cast<double>(observations.used) * observations.channels;
+  const double spread = noise * noise * std::sqrt(2.0 / values);
+  return excess <= 1.5 * kExcessFloor * kExcessFloor + 4.0 * spread;
+}
+
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
   Scene scene = SolveStart(sample, start, 15, false).scene;
   Candidate best = Refit(sample, scene, 40, noise);

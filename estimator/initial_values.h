@@ -41,4 +41,8 @@ Candidate Eliminate(const Observations& sample, const Scene& fitted, double nois
 // cannot describe anyway.
 double ExcessVariance(double cost, const Observations& observations, double noise);
 
+// Whether an excess variance is no more than its floor and the statistical uncertainty of the
+// noise: no other model can explain more.
+bool NothingLeft(double excess, const Observations& observations, double noise);
+
 }  // namespace turnlight::estimator

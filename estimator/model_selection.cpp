@@ -149,6 +149,13 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
   for (const MapPoint& cluster : clusters)
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
   Candidate from_map = FitAndEliminate(sample, StartFromDirections(sample, directions), noise);
+  if (NothingLeft(from_map.excess, sample, noise)) {
+    ladder.push_back({"start", true,
+                      Text("the intensity map's clusters lead to %.0f lights that explain the "
+                           "pictures down to the noise (excess variance %.3g)",
+                           static_cast<double>(from_map.scene.lights.size()), from_map.excess)});
+    return from_map;
+  }
   const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample));
   Candidate from_lattice = FitAndEliminate(sample, StartFromDirections(sample, lattice), noise);
   const double more = static_cast<double>(from_lattice.scene.lights.size()) -
@@ -165,6 +172,12 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
 
 Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
                         std::vector<Rung>& ladder) {
+  if (NothingLeft(candidate.excess, sample, noise)) {
+    ladder.push_back({"oren-nayar", false,
+                      Text("with Lambert the excess variance is %.3g: nothing is left to explain",
+                           candidate.excess)});
+    return candidate;
+  }
   candidate = Eliminate(sample, candidate.scene, noise);
   Scene start = candidate.scene;
   start.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
