@@ -111,6 +111,16 @@ std::string DescribeLight(const LightEstimate& light, int number) {
   return text + ",  intensity " + FormatNumber(light.light.intensity);
 }
 
+// The map's value at a cell that may lie beyond a pole (on the other side of it) or beyond 0 or 360
+// degrees of azimuth, by less than the map's size.
+float ValueAcross(const cv::Mat1f& map, int row, int column) {
+  const bool beyond = row < 0 || row >= map.rows;
+  if (row < 0) row = -1 - row;
+  if (row >= map.rows) row = 2 * map.rows - 1 - row;
+  const int turned = column + map.cols + (beyond ? map.cols / 2 : 0);
+  return map(row, turned % map.cols);
+}
+
 // The map as it is drawn: samples of a coarse picture leave gaps of a cell or two, which would hide
 // the map behind a moire. A cell without a value takes the mean of what lies within 3 degrees on
 // the sphere if that surrounds it, that is, if three of its four quadrants have a value; so the
@@ -118,7 +128,8 @@ std::string DescribeLight(const LightEstimate& light, int number) {
 cv::Mat1f CloseGaps(const cv::Mat1f& map) {
   constexpr double kReachDeg = 3.0;
   const int rows = map.rows, columns = map.cols;
-  const int reach = static_cast<int>(std::lround(kReachDeg * rows / 180.0));
+  // In cells: bounded, for a fine map has no gaps that are worth the search.
+  const int reach = std::min({static_cast<int>(std::lround(kReachDeg * rows / 180.0)), 4, rows});
   cv::Mat1f closed = map.clone();
   for (int row = 0; row < rows; ++row) {
     const double sine = std::sin(CV_PI * (row + 0.5) / rows);
@@ -129,9 +140,9 @@ cv::Mat1f CloseGaps(const cv::Mat1f& map) {
       double sum = 0.0;
       int count = 0;
       bool quadrants[2][2] = {};
-      for (int y = std::max(-reach, -row); y <= std::min(reach, rows - 1 - row); ++y) {
+      for (int y = -reach; y <= reach; ++y) {
         for (int x = -across; x <= across; ++x) {
-          const float value = map(row + y, (column + x + columns) % columns);
+          const float value = ValueAcross(map, row + y, column + x);
           if (std::isnan(value)) continue;
           sum += value;
           ++count;

@@ -22,6 +22,7 @@ constexpr int kMaxPanelWidth = 960;
 // The same lens on pixels `factor` times as wide; what does not fill a whole pixel at the right and
 // bottom is left out. Every lens model of mrcal begins with fx, fy, cx, cy.
 std::optional<calib::CameraModel> Reduced(const calib::CameraModel& camera, int factor) {
+  if (factor == 1) return camera;
   std::vector<double> intrinsics = camera.intrinsics();
   for (int i = 0; i < 4; ++i) intrinsics[i] /= factor;
   for (int i = 2; i < 4; ++i) intrinsics[i] += 0.5 / factor - 0.5;
