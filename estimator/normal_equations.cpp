@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "base/parallel.h"
@@ -39,7 +40,14 @@ std::pair<double, double> Legendre(int n, double x) {
   return {value, n * (x * value - previous) / (x * x - 1.0)};
 }
 
-void FillQuadrature(KernelModel& model) {
+// Nodes and weights on [-1/2, 1/2] for every number of samples.
+struct Quadrature {
+  double node[kernel::kMaxSamples + 1][kernel::kMaxSamples];
+  double weight[kernel::kMaxSamples + 1][kernel::kMaxSamples];
+};
+
+Quadrature MakeQuadrature() {
+  Quadrature out{};
   for (int n = 1; n <= kernel::kMaxSamples; ++n) {
     for (int i = 0; i < n; ++i) {
       double x = -std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
@@ -48,10 +56,17 @@ void FillQuadrature(KernelModel& model) {
         x -= value / slope;
       }
       const double slope = Legendre(n, x).second;
-      model.node[n][i] = n == 1 ? 0.0 : 0.5 * x;
-      model.weight[n][i] = n == 1 ? 1.0 : 1.0 / ((1.0 - x * x) * slope * slope);
+      out.node[n][i] = n == 1 ? 0.0 : 0.5 * x;
+      out.weight[n][i] = n == 1 ? 1.0 : 1.0 / ((1.0 - x * x) * slope * slope);
     }
   }
+  return out;
+}
+
+void FillQuadrature(KernelModel& model) {
+  static const Quadrature quadrature = MakeQuadrature();
+  std::memcpy(model.node, quadrature.node, sizeof model.node);
+  std::memcpy(model.weight, quadrature.weight, sizeof model.weight);
 }
 
 void FillOrenNayar(KernelModel& model, const Reflectance& reflectance) {

@@ -8,11 +8,6 @@ extern const KernelFunctions kKernel_avx2;
 extern const KernelFunctions kKernel_avx512;
 #endif
 
-std::size_t WorkspaceSize(int shared) {
-  const std::size_t n = static_cast<std::size_t>(shared);
-  return (2 * n + 6) * kTilePixels + (n * (n + 1) / 2 + 3 * n + 4) * kLanes;
-}
-
 int RunnableKernels(const KernelFunctions** out, int max) {
   int count = 0;
   const auto add = [&](const KernelFunctions& functions) {

@@ -70,8 +70,19 @@ struct KernelSums {
   double cost;
 };
 
+// Rows are handled in blocks of four.
+constexpr int PaddedRows(int shared) { return (shared + 3) / 4 * 4; }
+inline constexpr int kExtraRows = 6;
+// Lane sums of the products of all pairs of rows, by blocks.
+constexpr int PairSums(int shared) {
+  const int blocks = PaddedRows(shared) / 4;
+  return blocks * (blocks + 1) / 2 * 16 * kLanes;
+}
 // Room for the rows of a tile and the lane sums, in scalars of the kernel's type.
-std::size_t WorkspaceSize(int shared);
+constexpr std::size_t WorkspaceSize(int shared) {
+  return static_cast<std::size_t>((2 * PaddedRows(shared) + kExtraRows) * kTilePixels +
+                                  PairSums(shared) + (3 * shared + 4) * kLanes);
+}
 
 using AccumulateFunction = void (*)(const KernelModel&, const KernelPixels&, float* workspace,
                                     KernelSums&);

@@ -1,4 +1,6 @@
 // The tile kernel in single precision for one instruction set; see tile_kernel.h.
+#define TURNLIGHT_DOT_LANES 8
+#define TURNLIGHT_DOT_COLUMNS 2
 #include "estimator/kernel/tile_kernel_body.h"
 
 namespace turnlight::estimator::kernel {

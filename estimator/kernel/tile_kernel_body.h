@@ -132,7 +132,8 @@ TURNLIGHT_INLINE bool LobeReaches(const KernelModel& model, const Block<Real>& b
   return L::Any(L::Splat(model.shininess) * c < L::Splat(40.0));
 }
 
-// Rows of a tile. Each row has kTilePixels scalars: a_i (shared), b_i (shared), E, p, q, r_c.
+// Rows of a tile. Each row has kTilePixels scalars: a_i and b_i of the shared parameters (each set
+// filled up with zeros to whole blocks), E, p, q, r_c.
 template <typename Real>
 struct Rows {
   Real* base;
@@ -140,13 +141,13 @@ struct Rows {
   TURNLIGHT_INLINE Real* A(int i) const {
     return base + static_cast<std::ptrdiff_t>(i) * kTilePixels;
   }
-  TURNLIGHT_INLINE Real* B(int i) const { return A(shared + i); }
-  TURNLIGHT_INLINE Real* Albedo() const { return A(2 * shared); }
-  TURNLIGHT_INLINE Real* ResidualA() const { return A(2 * shared + 1); }
-  TURNLIGHT_INLINE Real* ResidualB() const { return A(2 * shared + 2); }
-  TURNLIGHT_INLINE Real* Residual(int c) const { return A(2 * shared + 3 + c); }
+  TURNLIGHT_INLINE Real* B(int i) const { return A(PaddedRows(shared) + i); }
+  TURNLIGHT_INLINE Real* Albedo() const { return A(2 * PaddedRows(shared)); }
+  TURNLIGHT_INLINE Real* ResidualA() const { return A(2 * PaddedRows(shared) + 1); }
+  TURNLIGHT_INLINE Real* ResidualB() const { return A(2 * PaddedRows(shared) + 2); }
+  TURNLIGHT_INLINE Real* Residual(int c) const { return A(2 * PaddedRows(shared) + 3 + c); }
+  TURNLIGHT_INLINE Real* Sums() const { return A(2 * PaddedRows(shared) + kExtraRows); }
 };
-constexpr int kExtraRows = 6;
 
 // What a block's lights add up to.
 template <typename Real>
@@ -256,7 +257,7 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
 }
 
 // Lane sums of a run of tiles, in the kernel's precision, before they are flushed to double.
-// Order: pairs (i <= j), then per i: gradient, albedo a, albedo b, then E^2, E r_c.
+// Order: blocks of pairs, then per i: gradient, albedo a, albedo b, then E^2, E r_c.
 template <typename Real>
 TURNLIGHT_INLINE void AddDot(Real* sum, const Real* x, const Real* y) {
   using L = Lanes<Real>;
@@ -265,30 +266,43 @@ TURNLIGHT_INLINE void AddDot(Real* sum, const Real* x, const Real* y) {
   L::Store(sum, total);
 }
 
-// Four rows of y against one of x, twice: first and second pseudo-channel.
+// Rows are multiplied in blocks of 4 x 4, so that each load serves four products. The lanes of a
+// variant's registers, and how many columns of a block fit into them, are its own; the sums are
+// not.
+#ifndef TURNLIGHT_DOT_LANES
+#define TURNLIGHT_DOT_LANES 4
+#define TURNLIGHT_DOT_COLUMNS 2
+#endif
+constexpr int kBlock = 4;
+constexpr int kBlockSums = kBlock * kBlock * kLanes;
+
 template <typename Real>
-TURNLIGHT_INLINE void AddPairs(Real* sums, const Rows<Real>& rows, int i, int j, int count,
-                               bool second) {
-  using L = Lanes<Real>;
-  using V = typename L::V;
-  V total[4];
-  for (int k = 0; k < count; ++k) total[k] = L::Load(sums + k * kLanes);
-  for (int half = 0; half < (second ? 2 : 1); ++half) {
-    const Real* x = half == 0 ? rows.A(i) : rows.B(i);
-    const Real* y = half == 0 ? rows.A(j) : rows.B(j);
-    if (count == 4) {
-      for (int p = 0; p < kTilePixels; p += kLanes) {
-        const V xv = L::Load(x + p);
-        for (int k = 0; k < 4; ++k) total[k] += xv * L::Load(y + k * kTilePixels + p);
+TURNLIGHT_INLINE void AddBlock(Real* sums, const Real* x, const Real* y) {
+  constexpr int kSub = TURNLIGHT_DOT_LANES, kColumns = TURNLIGHT_DOT_COLUMNS;
+  typedef Real S __attribute__((vector_size(kSub * sizeof(Real))));
+  const auto load = [](const Real* from) {
+    S v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+  };
+  for (int lane = 0; lane < kLanes; lane += kSub)
+    for (int column = 0; column < kBlock; column += kColumns) {
+      S total[kBlock][kColumns];
+      Real* at = sums + column * kLanes + lane;
+      for (int i = 0; i < kBlock; ++i)
+        for (int j = 0; j < kColumns; ++j) total[i][j] = load(at + (i * kBlock + j) * kLanes);
+      for (int p = lane; p < kTilePixels; p += kLanes) {
+        S xs[kBlock];
+        for (int i = 0; i < kBlock; ++i) xs[i] = load(x + i * kTilePixels + p);
+        for (int j = 0; j < kColumns; ++j) {
+          const S ys = load(y + (column + j) * kTilePixels + p);
+          for (int i = 0; i < kBlock; ++i) total[i][j] += xs[i] * ys;
+        }
       }
-    } else {
-      for (int p = 0; p < kTilePixels; p += kLanes) {
-        const V xv = L::Load(x + p);
-        for (int k = 0; k < count; ++k) total[k] += xv * L::Load(y + k * kTilePixels + p);
-      }
+      for (int i = 0; i < kBlock; ++i)
+        for (int j = 0; j < kColumns; ++j)
+          std::memcpy(at + (i * kBlock + j) * kLanes, &total[i][j], sizeof(S));
     }
-  }
-  for (int k = 0; k < count; ++k) L::Store(sums + k * kLanes, total[k]);
 }
 
 template <typename Real>
@@ -296,7 +310,7 @@ TURNLIGHT_INLINE void AddTile(const KernelModel& model, const Rows<Real>& rows, 
   using L = Lanes<Real>;
   const int n = rows.shared;
   const bool specular = model.specular_model != Specular::kNone;
-  Real* linear = sums + n * (n + 1) / 2 * kLanes;
+  Real* linear = sums + PairSums(n);
   for (int i = 0; i < n; ++i) {
     AddDot(linear + (3 * i) * kLanes, rows.A(i), rows.ResidualA());
     AddDot(linear + (3 * i + 1) * kLanes, rows.A(i), rows.Albedo());
@@ -321,12 +335,11 @@ TURNLIGHT_INLINE void AddTile(const KernelModel& model, const Rows<Real>& rows, 
       L::Store(rows.A(i) + p, l11 * a + l21 * b);
       L::Store(rows.B(i) + p, l22 * b);
     }
-  Real* pair = sums;
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; j += 4) {
-      const int count = n - j < 4 ? n - j : 4;
-      AddPairs(pair, rows, i, j, count, specular && model.l22 > 0.0);
-      pair += count * kLanes;
+  Real* block = sums;
+  for (int i = 0; i < n; i += kBlock)
+    for (int j = i; j < n; j += kBlock, block += kBlockSums) {
+      AddBlock(block, rows.A(i), rows.A(j));
+      if (specular && model.l22 > 0.0) AddBlock(block, rows.B(i), rows.B(j));
     }
 }
 
@@ -343,8 +356,13 @@ TURNLIGHT_INLINE double FlushLane(Real* lanes) {
 template <typename Real>
 TURNLIGHT_INLINE void Flush(const KernelModel& model, int n, Real* sums, KernelSums& out) {
   Real* at = sums;
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j, at += kLanes) out.shared[i * n + j] += FlushLane(at);
+  for (int bi = 0; bi < n; bi += kBlock)
+    for (int bj = bi; bj < n; bj += kBlock)
+      for (int i = bi; i < bi + kBlock; ++i)
+        for (int j = bj; j < bj + kBlock; ++j, at += kLanes) {
+          const double sum = FlushLane(at);
+          if (i <= j && j < n) out.shared[i * n + j] += sum;
+        }
   for (int i = 0; i < n; ++i, at += 3 * kLanes) {
     out.gradient[i] += FlushLane(at);
     out.albedo_a[i] += FlushLane(at + kLanes);
@@ -355,8 +373,6 @@ TURNLIGHT_INLINE void Flush(const KernelModel& model, int n, Real* sums, KernelS
     out.albedo_gradient[c] += FlushLane(at + (1 + c) * kLanes);
 }
 
-constexpr int LaneSums(int n) { return n * (n + 1) / 2 + 3 * n + 4; }
-
 template <typename Real>
 TURNLIGHT_INLINE void AccumulateTiles(const KernelModel& model, const KernelPixels& pixels,
                                       Real* workspace, KernelSums& out) {
@@ -364,8 +380,9 @@ TURNLIGHT_INLINE void AccumulateTiles(const KernelModel& model, const KernelPixe
   constexpr std::size_t kTilesPerFlush = 8;
   const int n = model.Shared();
   const Rows<Real> rows{workspace, n};
-  Real* sums = rows.A(2 * n + kExtraRows);
-  std::memset(sums, 0, sizeof(Real) * static_cast<std::size_t>(LaneSums(n) * kLanes));
+  Real* sums = rows.Sums();
+  // Also the rows that only fill up the last block.
+  std::memset(workspace, 0, sizeof(Real) * WorkspaceSize(n));
   for (std::size_t tile = 0; tile < pixels.tiles; ++tile) {
     const int samples = pixels.samples ? pixels.samples[tile] : 1;
     for (int offset = 0; offset < kTilePixels; offset += kLanes) {
