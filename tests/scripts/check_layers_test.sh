@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Proves: this tree's includes and links go down only, and scripts/check-layers would say so if one did
+# not. Does not prove: that the table in scripts/check-layers is the right one.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+check=$root/scripts/check-layers
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+mkdir -p "$tree"/{base,calib,estimator,rig/session,rig/sim,app}
+
+# A file's content must be refused, and the message must hold the words.
+refused() {
+  local file=$1 content=$2 words=$3 said
+  printf '%s\n' "$content" >"$tree/$file"
+  if said=$("$check" "$tree"); then
+    echo "not refused: $file: $content" && exit 1
+  fi
+  grep -qF "$words" <<<"$said" || { echo "'$words' is not in: $said" && exit 1; }
+  rm "$tree/$file"
+}
+accepted() {
+  local file=$1 content=$2
+  printf '%s\n' "$content" >"$tree/$file"
+  "$check" "$tree" >"$tree/said" || { cat "$tree/said" && exit 1; }
+  rm "$tree/$file"
+}
+
+"$check" "$root"
+accepted base/a.h '#include <vector>'
+accepted estimator/a.cpp $'#include "calib/pose.h"\n#include <ceres/ceres.h>'
+accepted rig/sim/a.cpp $'#include "estimator/scene.h"\n#include "rig/session/session.h"'
+accepted calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES tl_base mrcal::mrcal)'
+refused base/a.h '#include "calib/pose.h"' 'base/a.h:1: calib/pose.h: base may not use calib'
+refused estimator/a.cpp $'\n#include "rig/session/session.h"' 'estimator/a.cpp:2:'
+refused rig/session/a.cpp '#include "estimator/scene.h"' 'rig may not use estimator'
+refused rig/session/a.cpp '#include "rig/sim/blob.h"' 'rig may not use rig/sim'
+refused estimator/a.h '#include "scene.h"' 'written from the top'
+refused base/a.h '#include <opencv2/core.hpp>' 'base may not use OpenCV'
+refused base/a.h '#include <boost/any.hpp>' 'is of no library'
+refused calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES tl_base tl_rig)' \
+  'calib may not use rig'
+refused calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES Ceres::ceres)' \
+  'calib may not use Ceres'
