@@ -21,6 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kMax8 = 255.0;
+constexpr double kMax16 = 65535.0;
+
 struct RenderArguments {
   std::string session;
   std::string params;
@@ -41,7 +44,6 @@ struct PictureFormat {
 };
 
 PictureFormat ChooseFormat(const rig::Session& session) {
-  constexpr double kMax8 = 255.0, kMax16 = 65535.0;
   PictureFormat format{session.radiometry};
   calib::Radiometry& radiometry = format.radiometry;
   const std::string extension = fs::path(session.frames.front().image).extension();

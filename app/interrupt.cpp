@@ -10,6 +10,8 @@
 namespace turnlight::app {
 namespace {
 
+constexpr char kText[] = "\nturnlight: interrupted\n";
+
 std::atomic<bool> interrupted{false};
 std::atomic<int> at_once{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
@@ -18,7 +20,6 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 void HandleInterrupt(int) {
   const bool second = interrupted.exchange(true);
   if (second || at_once.load() > 0) {
-    constexpr char kText[] = "\nturnlight: interrupted\n";
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
     ::_exit(kInterrupted);
   }

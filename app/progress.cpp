@@ -9,8 +9,8 @@
 namespace turnlight::app {
 namespace {
 
-constexpr double kTerminalPeriod_s = 0.1;
-constexpr double kPlainPeriod_s = 10.0;
+constexpr double kTerminalPeriod = 0.1;  // seconds
+constexpr double kPlainPeriod = 10.0;
 
 std::string TimeLeft(double seconds) {
   const auto s = static_cast<long>(std::ceil(seconds));
@@ -31,7 +31,7 @@ Progress::Progress(std::string label, std::size_t total)
       total_(total),
       terminal_(::isatty(STDERR_FILENO) == 1),
       start_(std::chrono::steady_clock::now()),
-      next_s_(terminal_ ? 0.0 : kPlainPeriod_s) {}
+      next_s_(terminal_ ? 0.0 : kPlainPeriod) {}
 
 Progress::~Progress() {
   if (terminal_ && done_ > 0) std::fputs("\r\033[K", stderr);
@@ -47,7 +47,7 @@ void Progress::Step() {
   const double seconds = Seconds();
   const bool last = done_ == total_;
   if (seconds < next_s_ && !last) return;
-  next_s_ = seconds + (terminal_ ? kTerminalPeriod_s : kPlainPeriod_s);
+  next_s_ = seconds + (terminal_ ? kTerminalPeriod : kPlainPeriod);
   const std::string line = Line(label_, done_, total_, seconds);
   if (terminal_)
     std::fprintf(stderr, "\r\033[K%s", line.c_str());

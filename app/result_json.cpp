@@ -162,7 +162,7 @@ void CollectNullSigmas(const ordered_json& json, const std::string& path, std::s
   if (json.is_null() && is_sigma && !explained) list += (list.empty() ? "" : ", ") + path;
   if (json.is_structured())
     for (const auto& [key, value] : json.items())
-      CollectNullSigmas(value, path.empty() ? key : path + "/" + key, list);
+      CollectNullSigmas(value, std::string(path).append("/").append(key), list);
 }
 
 void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {

@@ -18,6 +18,7 @@ using estimator::Reflectance;
 using estimator::Scene;
 using estimator::SpecularModel;
 
+constexpr std::size_t kPrefix = 6;  // of "light."
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::optional<double> ParseNumber(const std::string& text) {
@@ -90,7 +91,6 @@ Status SetRoughness(const std::string& value, Reflectance& reflectance) {
 }
 
 Status SetLight(const std::string& key, const std::string& value, Scene& scene) {
-  constexpr std::size_t kPrefix = 6;  // of "light."
   const std::size_t dot = key.find('.', kPrefix);
   const auto index = ParseNumber(key.substr(kPrefix, dot - kPrefix));
   if (dot == std::string::npos || key.substr(dot) != ".intensity" || !index ||

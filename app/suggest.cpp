@@ -5,6 +5,8 @@
 namespace turnlight::app {
 namespace {
 
+constexpr std::size_t kLongestWord = 64;  // no slip of the finger is longer
+
 // Edit distance with swaps of neighbours counted once ("optimal string alignment").
 std::size_t Distance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -24,7 +26,6 @@ std::size_t Distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string Nearest(const std::string& word, const std::vector<std::string>& words) {
-  constexpr std::size_t kLongestWord = 64;  // no slip of the finger is longer
   if (word.empty() || word.size() > kLongestWord) return "";
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(1, (word.size() + 1) / 3) + 1;

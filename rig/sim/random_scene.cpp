@@ -73,6 +73,7 @@ Result<std::vector<Light>> DrawLights(const RandomLights& config, std::uint64_t 
 
 std::vector<Light> ListedLights(const std::vector<LightSpec>& list) {
   std::vector<Light> lights;
+  lights.reserve(list.size());
   for (const LightSpec& spec : list)
     lights.push_back({spec.direction.normalized(), spec.distance ? 1.0 / *spec.distance : 0.0,
                       spec.intensity, spec.color});
