@@ -129,6 +129,7 @@ void DrawTextUpwards(cv::Mat3b& page, const std::string& text, cv::Point2d at, d
 void DrawPath(cv::Mat3b& page, const std::vector<cv::Point2d>& points, const cv::Vec3b& color,
               int thickness, bool closed) {
   std::vector<cv::Point> fixed;
+  fixed.reserve(points.size());
   for (const cv::Point2d& point : points) fixed.push_back(ToFixed(point));
   cv::polylines(page, fixed, closed, ToScalar(color), thickness, cv::LINE_AA, kShift);
 }

@@ -52,9 +52,9 @@ cv::Vec3b DivergingColor(double t) {
 }
 
 cv::Vec3b SequentialColor(double t) {
-  static const std::array<cv::Vec3b, 256> colors = Inferno();
+  static const std::array<cv::Vec3b, 256> kColors = Inferno();
   if (std::isnan(t)) return kUnseen;
-  return colors[static_cast<std::size_t>(std::lround(255.0 * std::clamp(t, 0.0, 1.0)))];
+  return kColors[static_cast<std::size_t>(std::lround(255.0 * std::clamp(t, 0.0, 1.0)))];
 }
 
 double Percentile(std::vector<float> values, double share) {

@@ -154,6 +154,7 @@ std::vector<VirtualSphere> PlaceOnBoard(const std::vector<PictureView>& views,
     }
   }
   std::vector<VirtualSphere> spheres;
+  spheres.reserve(views.size());
   for (const PictureView& view : views) spheres.push_back(OnBoardAt(view, board, best, radius));
   return spheres;
 }
@@ -259,6 +260,7 @@ std::vector<VirtualSphere> PlaceSpheres(const std::vector<PictureView>& views) {
   if (const auto* board = std::get_if<calib::PlaneShape>(&views.front().geometry.shape()))
     return PlaceOnBoard(views, *board);
   std::vector<VirtualSphere> spheres;
+  spheres.reserve(views.size());
   for (const PictureView& view : views) {
     const GroundPlane ground = ChooseGround(view.geometry, view.X_WC, view.X_WT);
     spheres.push_back(FindBeside(view, ground).value_or(InFront(view)));

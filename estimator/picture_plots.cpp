@@ -339,6 +339,7 @@ cv::Mat3b ConvergencePicture(const std::vector<IterationRecord>& history) {
   DrawTextUpwards(page, "residual rms (share of white)", {22.0, area.y + 0.5 * area.height},
                   kLabel);
   std::vector<cv::Point2d> path;
+  path.reserve(records.size());
   for (const IterationRecord& record : records)
     path.emplace_back(
         area.x - 0.5 + area.width * double(record.iteration - first) / std::max(last - first, 1),

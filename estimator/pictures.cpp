@@ -153,6 +153,7 @@ void AddComparisons(const std::vector<Keyframe>& keyframes, const std::vector<st
   const calib::RayGrid rays(camera);
   const int samples = enlarge > 1 ? 6 : 4;  // enlarging shows the steps of an edge
   std::vector<PictureView> views;
+  views.reserve(shown.size());
   for (const std::size_t i : shown)
     views.push_back({scene, geometry, camera, rays, keyframes[i].X_WC, keyframes[i].X_WT, samples});
   const std::vector<VirtualSphere> spheres = PlaceSpheres(views);

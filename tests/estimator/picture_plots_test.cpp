@@ -143,7 +143,8 @@ TEST(ResidualPicture, BarIsSymmetric) {
   const int x = kMargin + 480 + kMargin + 8, top = 44, height = 360;
   EXPECT_GE(page(top + height / 2, x)[0], 253);
   for (int i = 0; i < height / 2; i += 10) {
-    const cv::Vec3b above = page(top + i, x), below = page(top + height - 1 - i, x);
+    const cv::Vec3b& above = page(top + i, x);
+    const cv::Vec3b& below = page(top + height - 1 - i, x);
     EXPECT_NEAR(Lightness(above), Lightness(below), 4.0);
     EXPECT_GE(above[0], above[2]);
     EXPECT_GE(below[2], below[0]);

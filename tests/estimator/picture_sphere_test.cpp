@@ -114,7 +114,8 @@ void CheckShadowOnBoard(const Light& light) {
       if (stage.coverage(row, column) < 1.0f || ray.cross(ball.center - eye).norm() < 23.0)
         continue;
       const double in_shadow = InShadow(light, ball, q);
-      const cv::Vec3f before = stage.photograph(row, column), after = result(row, column);
+      const cv::Vec3f& before = stage.photograph(row, column);
+      const cv::Vec3f& after = result(row, column);
       if (in_shadow > 1.2) {
         ++lit;
         EXPECT_EQ(before, after) << column << ' ' << row;
@@ -155,7 +156,7 @@ TEST(InsertSphere, EachLightThrowsItsOwnShadowInItsOwnColour) {
     ASSERT_LT(InShadow(hidden, ball, on_board), 0.8);
     ASSERT_GT(InShadow(other, ball, on_board), 1.2);
     const auto pixel = stage.camera.Project({stage.pose.Inverse() * on_board})[0];
-    const cv::Vec3f shown =
+    const cv::Vec3f& shown =
         result(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x())));
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(shown[c],

@@ -58,6 +58,7 @@ struct Case {
 
 std::vector<std::string> Names(const std::vector<NamedPicture>& pictures) {
   std::vector<std::string> names;
+  names.reserve(pictures.size());
   for (const NamedPicture& picture : pictures) names.push_back(picture.name);
   return names;
 }
@@ -109,7 +110,7 @@ TEST(MakePictures, ExposureShowsTheBrightestAtNineTenths) {
   flat.keyframes[0].image.radiance.setTo(cv::Scalar(0.02, 0.01, 0.005));
   const cv::Mat3b page = flat.Make()[0].image;
   // 0.9, 0.45 and 0.225 in sRGB.
-  const cv::Vec3b shown = page(60, 40);
+  const cv::Vec3b& shown = page(60, 40);
   EXPECT_NEAR(shown[0], 243, 1);
   EXPECT_NEAR(shown[1], 179, 1);
   EXPECT_NEAR(shown[2], 130, 1);
