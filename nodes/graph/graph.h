@@ -75,11 +75,11 @@ struct RunReport {
 };
 
 struct RunOptions {
-  std::filesystem::path
-      log;  // where the topics under "record" go; empty: nowhere. Must not exist yet
+  // Where the topics under "record" go; empty: nowhere. The file must not exist yet.
+  std::filesystem::path log = {};
   // Called with every fault as it comes, one at a time, on the thread where it arose; must not
   // throw.
-  std::function<void(const Fault&)> on_fault;
+  std::function<void(const Fault&)> on_fault = nullptr;
   // Wall executor: how long a handler may still take after a stop now before it counts as hung.
   Duration hang_grace = std::chrono::seconds(5);
 };

@@ -238,17 +238,25 @@ void VirtualExecutor::Deliver(Connection& connection, AnyMessage&& message) {
 
 void VirtualExecutor::StageReplay(Lane& lane) {
   const auto& entries = replay_->entries[lane.core->index];
-  for (; lane.next_entry < entries.size() && entries[lane.next_entry].at <= now_;
+  std::string problem;
+  for (; problem.empty() && lane.next_entry < entries.size() && entries[lane.next_entry].at <= now_;
        ++lane.next_entry) {
     const ReplayPlan::Entry& entry = entries[lane.next_entry];
     const auto record = replay_->reader->ReadAt(entry.offset);
-    if (!record) return Fail("log", record.error().text);
+    if (!record) {
+      problem = record.error().text;
+      continue;
+    }
     auto value = DecodeMessage(entry.port->type, record->bytes);
-    if (!value)
-      return Fail("log", entry.port->Topic() + " #" + std::to_string(record->header.sequence) +
-                             ": " + value.error().text);
-    lane.staged.push_back({entry.port, {record->header, std::move(*value)}, false});
+    if (value)
+      lane.staged.push_back({entry.port, {record->header, std::move(*value)}, false});
+    else
+      problem = entry.port->Topic() + " #" + std::to_string(record->header.sequence) + ": " +
+                value.error().text;
   }
+  if (problem.empty()) return;
+  lane.next_entry = entries.size();  // what follows would come after a gap
+  Fail("log", problem);
 }
 
 void VirtualExecutor::AwaitReplay(Lane& lane) {

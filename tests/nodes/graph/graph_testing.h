@@ -106,10 +106,10 @@ class Sink : public Node {
 class Custom : public Node {
  public:
   struct Behaviour {
-    std::function<Status(Custom&)> start;
-    std::function<Status(Custom&, const Message<Number>&)> input;
-    std::function<Status(Custom&)> wind_down;
-    std::function<Status(Custom&, StopMode)> stop;
+    std::function<Status(Custom&)> start = nullptr;
+    std::function<Status(Custom&, const Message<Number>&)> input = nullptr;
+    std::function<Status(Custom&)> wind_down = nullptr;
+    std::function<Status(Custom&, StopMode)> stop = nullptr;
   };
   explicit Custom(Behaviour behaviour) : behaviour_(std::move(behaviour)) {}
   Status Start() override { return behaviour_.start ? behaviour_.start(*this) : Status(); }
@@ -139,10 +139,10 @@ class Custom : public Node {
 class CustomSource : public Node {
  public:
   struct Behaviour {
-    std::function<Status(CustomSource&)> start;
-    std::function<Status(CustomSource&, const Message<Number>&)> input;
-    std::function<Status(CustomSource&, Time)> timer;
-    std::function<Status(CustomSource&)> wind_down;
+    std::function<Status(CustomSource&)> start = nullptr;
+    std::function<Status(CustomSource&, const Message<Number>&)> input = nullptr;
+    std::function<Status(CustomSource&, Time)> timer = nullptr;
+    std::function<Status(CustomSource&)> wind_down = nullptr;
   };
   explicit CustomSource(Behaviour behaviour) : behaviour_(std::move(behaviour)) {}
   Status Start() override { return behaviour_.start ? behaviour_.start(*this) : Status(); }
