@@ -18,16 +18,7 @@ namespace {
 using RealClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-// A thread that has just been busy looks for more this long before it sleeps: waking it would cost
-// more.
-constexpr Duration kSpin = 20us;
 constexpr Duration kLongestTick = 5ms;
-
-void Pause() {
-#if defined(__x86_64__) || defined(__i386__)
-  __builtin_ia32_pause();
-#endif
-}
 
 class WallExecutor final : public Runtime {
  public:
@@ -60,7 +51,6 @@ class WallExecutor final : public Runtime {
     Control control = Control::kNone;
     std::uint64_t arrivals = 0;
 
-    std::atomic<std::uint64_t> signals{0};  // goes up whenever there may be something new to do
     std::atomic<std::int64_t> handler_began{-1};
     std::atomic<bool> stopped{false};
     std::atomic<int> holds{0};
@@ -86,7 +76,6 @@ class WallExecutor final : public Runtime {
   };
   Work NextWorkOf(Worker& worker);
   bool TakeWork(Worker& worker, Work& work);
-  void SpinForSignal(const Worker& worker, std::uint64_t seen) const;
   void Sleep(Worker& worker, std::unique_lock<std::mutex>& lock);
   template <typename Call>
   void RunHandler(Worker& worker, std::string_view what, std::string_view port, Call&& call);
@@ -179,15 +168,10 @@ void WallExecutor::WorkerMain(Worker& worker) {
   }
 }
 
-// Waits until there is something to do.
+// Waits until there is something to do. Looking for more before going to sleep was tried: it made
+// hops slower as soon as there were more threads than processors.
 WallExecutor::Work WallExecutor::NextWorkOf(Worker& worker) {
   Work work;
-  const std::uint64_t seen = worker.signals.load(std::memory_order_acquire);
-  {
-    const std::lock_guard lock(worker.mutex);
-    if (TakeWork(worker, work)) return work;
-  }
-  SpinForSignal(worker, seen);
   std::unique_lock lock(worker.mutex);
   while (!TakeWork(worker, work)) Sleep(worker, lock);
   return work;
@@ -215,12 +199,6 @@ bool WallExecutor::TakeWork(Worker& worker, Work& work) {
     if (worker.waiting > 0) worker.space.notify_all();
   }
   return next.timer || next.connection;
-}
-
-void WallExecutor::SpinForSignal(const Worker& worker, std::uint64_t seen) const {
-  const auto until = RealClock::now() + kSpin;
-  while (worker.signals.load(std::memory_order_acquire) == seen && RealClock::now() < until)
-    for (int i = 0; i < 16; ++i) Pause();
 }
 
 void WallExecutor::Sleep(Worker& worker, std::unique_lock<std::mutex>& lock) {
@@ -293,7 +271,6 @@ void WallExecutor::Deliver(Connection& connection, const AnyMessage& message) {
     ++connection.dropped;
   else
     AddWork(1);
-  to.signals.fetch_add(1, std::memory_order_release);
   const bool sleeping = to.sleeping;
   lock.unlock();
   if (sleeping) to.wake.notify_one();
@@ -431,14 +408,12 @@ bool WallExecutor::StopNextInOrder() {
 void WallExecutor::Post(Worker& worker, Control control) {
   const std::lock_guard lock(worker.mutex);
   worker.control = control;
-  worker.signals.fetch_add(1, std::memory_order_release);
   worker.wake.notify_one();
 }
 
 void WallExecutor::WakeAll() {
   for (auto& worker : workers_) {
     const std::lock_guard lock(worker->mutex);
-    worker->signals.fetch_add(1, std::memory_order_release);
     worker->wake.notify_one();
   }
 }
