@@ -7,6 +7,8 @@
 #include <sstream>
 #include <utility>
 
+#include "base/nearest.h"
+
 namespace turnlight {
 namespace {
 
@@ -391,7 +393,7 @@ Status StrictObject::Finish() {
     for (const std::string& prefix : prefixes_) allowed |= entry.key().starts_with(prefix);
     if (!allowed)
       return InputError(Where(entry.key()) + ": unknown key, allowed are " +
-                        Join({known_.begin(), known_.end()}));
+                        Join({known_.begin(), known_.end()}) + DidYouMean(entry.key(), known_));
   }
   return {};
 }
