@@ -30,10 +30,12 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/strict_object.h"
 #include "calib/radiometry.h"
 #include "calib/target_shape.h"
 #include "estimator/scene.h"
 #include "rig/sim/blob.h"
+#include "rig/sim/config_fields.h"
 
 namespace turnlight::rig {
 
@@ -135,15 +137,13 @@ double TargetRadius(const SyntheticTarget& target);
 
 // Checks every range and everything that must fit together. Gives the first thing that is wrong:
 // its key, such as "motion/distance", and the value with what is allowed.
-struct ConfigProblem {
-  std::string key;
-  std::string text;
-};
 std::optional<ConfigProblem> Validate(const SyntheticConfig& config);
 
 // Reads and validates; messages name file, line and key.
 Result<SyntheticConfig> ParseSyntheticConfig(const std::string& text, const std::string& file);
 Result<SyntheticConfig> ReadSyntheticConfig(const std::filesystem::path& path);
+// The same keys as a part of another config.
+Result<SyntheticConfig> ReadSyntheticConfig(StrictObject object);
 
 // All keys with their values, as YAML that reads back to the same config.
 std::string ToYaml(const SyntheticConfig& config);

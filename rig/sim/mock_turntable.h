@@ -1,0 +1,113 @@
+// A turntable that is not there: it moves in closed form, so that the truth of any instant can be
+// asked, and it reports what a controller would report, which is not the truth.
+//
+// The chain: commanded angle -> whole steps -> the controller's count -> the motor's shaft (a
+// trapezoid of speed; may lose steps) -> the platter (lags by the backlash after a reversal, swings
+// a little on arrival). What stands still stands exactly: once settle_ms are over the true angle is
+// a function of the steps alone, so that pictures taken at different times are the same bits.
+//
+// Before the first homing the position is unknown (kUnhomed). Homing turns in the positive
+// direction until the platter meets the switch, which also takes up the backlash.
+//
+// Keys (all optional): serial, max_speed_deg_s, acceleration_deg_s2, steps_per_deg, scale,
+// backlash_deg, settle_amplitude_deg, settle_frequency_hz, settle_ms, feedback (open_loop|encoder),
+// home_switch_deg, home_speed_deg_s, power_on_deg.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "base/strict_object.h"
+#include "rig/device.h"
+#include "rig/sim/config_fields.h"
+#include "rig/sim/fault_script.h"
+
+namespace turnlight::rig {
+
+// Rest to rest over a distance at limited speed and acceleration.
+class TrapezoidalProfile {
+ public:
+  // distance >= 0; speed and acceleration above 0; any units.
+  TrapezoidalProfile(double distance, double speed, double acceleration);
+  double Duration() const { return 2.0 * ramp_s_ + cruise_s_; }
+  // Way covered t seconds after the start: 0 before it, exactly the distance from the end on.
+  double At(double t) const;
+
+ private:
+  double distance_;
+  double acceleration_;
+  double ramp_s_;    // each of speeding up and slowing down
+  double cruise_s_;  // 0 if the speed limit is never reached
+};
+
+enum class TableFeedback {
+  kOpenLoop,  // the controller reports the steps it sent, whether the motor took them or not
+  kEncoder,   // it reports the motor's shaft: sees lost steps and stalls, not the backlash
+};
+
+struct MockTurntableConfig {
+  std::string serial = "MOCK-TABLE-1";
+  double max_speed_deg_s = 30.0;       // above 0
+  double acceleration_deg_s2 = 120.0;  // above 0
+  double steps_per_deg = 100.0;        // above 0
+  // True degrees per commanded degree, not 0. Other than 1: a table set up with wrong steps per
+  // revolution; -1: with a wrong direction.
+  double scale = 1.0;
+  double backlash_deg = 0.05;          // 0..10
+  double settle_amplitude_deg = 0.02;  // 0..10; of the swing after arrival
+  double settle_frequency_hz = 12.0;   // above 0
+  double settle_ms = 250.0;            // 0..60000; the swing is over, exactly
+  TableFeedback feedback = TableFeedback::kEncoder;
+  double home_switch_deg = 0.0;    // -360..360; where the switch is, and the count after homing
+  double home_speed_deg_s = 60.0;  // above 0
+  double power_on_deg = 217.3;     // -360..360; where it stands when switched on
+};
+
+std::optional<ConfigProblem> Validate(const MockTurntableConfig& config);
+// Reads and validates; refuses unknown keys. Messages name file, line, key and what is allowed.
+Result<MockTurntableConfig> ReadMockTurntableConfig(StrictObject object);
+
+// Safe to call from several threads: the mock camera asks for the truth while another node moves
+// the table. Times may not go back by more than the last few moves.
+class MockTurntable : public Turntable {
+ public:
+  // The config must be valid. No script: no faults.
+  explicit MockTurntable(MockTurntableConfig config, std::shared_ptr<FaultScript> faults = nullptr);
+  ~MockTurntable() override;
+
+  Result<DeviceIdentity> Open(DeviceTime now) override;
+  Status Home(DeviceTime now) override;
+  Status MoveTo(double angle_deg, DeviceTime now) override;
+  Result<TableState> State(DeviceTime now) override;
+  // In a move the count stays known with an encoder; open loop must home again.
+  Status Halt(DeviceTime now) override;
+
+  // What only a simulation knows. ----------------------------------------------------------------
+
+  // The platter's angle. Continuous but for whole turns when homing begins, and for the remains of
+  // a swing that the next move cuts short.
+  double TrueAngleDeg(DeviceTime time) const;
+  // The angle of the last MoveTo before or at that time; 0 if there was none.
+  double CommandedAngleDeg(DeviceTime time) const;
+  // The table starts to move by itself at that time, and the controller knows. No effect unless it
+  // stands homed and idle then.
+  void Creep(double by_deg, DeviceTime at);
+  const MockTurntableConfig& config() const { return config_; }
+
+ private:
+  struct Segment;
+
+  const MockTurntableConfig config_;
+  const std::shared_ptr<FaultScript> faults_;
+  mutable std::mutex mutex_;
+  std::vector<Segment> segments_;
+  bool open_ = false;
+  DeviceTime unplugged_until_{};
+};
+
+}  // namespace turnlight::rig

@@ -1,0 +1,58 @@
+// What all pictures of one simulated scene share, and how one is taken: placed, rendered, given
+// noise, encoded, clipped. The generator of sessions and the mock camera photograph through it.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "base/random.h"
+#include "base/result.h"
+#include "calib/camera_model.h"
+#include "calib/pose.h"
+#include "calib/radiometry.h"
+#include "calib/target_shape.h"
+#include "estimator/geometry.h"
+#include "estimator/renderer.h"
+#include "estimator/scene.h"
+#include "rig/sim/synthetic_config.h"
+
+namespace turnlight::rig {
+
+struct Studio {
+  calib::CameraModel camera;
+  calib::RayGrid rays;
+  calib::TargetShape target;
+  estimator::Geometry geometry;
+  estimator::Scene scene;        // the truth
+  calib::Radiometry radiometry;  // reference_gain_db is 0; no reference_exposure_us
+  int samples_per_side = 5;
+};
+
+// Fails (kInput): what Validate refuses, lights that cannot be placed as far apart as asked. The
+// sensor's clip_share is left to the caller.
+Result<Studio> BuildStudio(const SyntheticConfig& config);
+
+// Where camera and target are when the motion has gone round by angle_deg:
+// table: X_WT = X_WA * Rz(angle) * X_AT with X_WA = identity (W lies on the axis) and X_AT the
+// tilt; orbit: the camera has gone round the still target by as much.
+struct Placement {
+  calib::Pose X_WC;
+  calib::Pose X_WT;
+};
+Placement PlaceAt(const Motion& motion, double angle_deg);
+
+// Noise-free. lit = false leaves the ambient term alone.
+estimator::Rendering RenderPlacement(const Studio& studio, const Placement& placement,
+                                     bool lit = true);
+
+// Standard deviation of the noise of one value of linear radiance. The sensor's variance is
+// (noise_relative G)^2 + noise_shot^2 G s for a signal s (share of white) at a gain factor G.
+double NoiseSigma(const Sensor& sensor, const calib::Radiometry& radiometry,
+                  const calib::Exposure& exposure, double radiance);
+
+// The sensor: noise (value i of the picture takes random number i), encoding, clipping.
+cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
+                   const calib::Exposure& exposure, const RandomStream& random,
+                   const cv::Mat3f& radiance);
+
+}  // namespace turnlight::rig
