@@ -1,0 +1,93 @@
+#include "base/lock_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+namespace turnlight {
+namespace {
+
+// "process 1234 on host lab3 since 2024-05-01T12:00:00Z"
+std::string DescribeThisProcess() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  std::array<char, 32> start{};
+  const std::time_t now = std::time(nullptr);
+  struct tm utc {};
+  ::gmtime_r(&now, &utc);
+  std::strftime(start.data(), start.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return "process " + std::to_string(::getpid()) + " on host " + host.data() + " since " +
+         start.data();
+}
+
+// The lock counts only on the file that the path names: another process may have removed it between
+// our opening and locking it.
+bool IsTheFileAt(int fd, const std::filesystem::path& path) {
+  struct stat held {};
+  struct stat named {};
+  return ::fstat(fd, &held) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+}
+
+Status WriteHolder(int fd, const std::filesystem::path& path, FileOps& ops) {
+  const std::string text = DescribeThisProcess() + "\n";
+  if (ops.Truncate(fd, 0) == 0 &&
+      ops.Write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()))
+    return {};
+  return SystemError(path.string() + ": cannot write the lock: " + std::strerror(errno));
+}
+
+std::string ReadHolder(const std::filesystem::path& path) {
+  std::string holder = ReadFile(path, 4096).value_or("");
+  holder = holder.substr(0, holder.find('\n'));
+  return holder.empty() ? "a process that has not written its name yet" : holder;
+}
+
+}  // namespace
+
+Result<LockFile> LockFile::Take(const std::filesystem::path& path, const std::string& what,
+                                FileOps& ops) {
+  while (true) {
+    const int fd = ops.Open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (fd < 0) return SystemError(path.string() + ": cannot open: " + std::strerror(errno));
+    if (ops.Lock(fd) != 0) {
+      const int reason = errno;
+      ops.Close(fd);
+      if (reason == EWOULDBLOCK) return InputError(what + ": " + ReadHolder(path));
+      return SystemError(path.string() + ": cannot lock: " + std::strerror(reason));
+    }
+    if (!IsTheFileAt(fd, path)) {
+      ops.Close(fd);
+      continue;
+    }
+    LockFile lock(path, fd, ops);
+    if (const Status status = WriteHolder(fd, path, ops); !status) return Forward(status);
+    return lock;
+  }
+}
+
+LockFile::~LockFile() { Release(); }
+
+LockFile::LockFile(LockFile&& other) noexcept
+    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)), ops_(other.ops_) {}
+
+LockFile& LockFile::operator=(LockFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(fd_, other.fd_);
+  std::swap(ops_, other.ops_);
+  return *this;
+}
+
+void LockFile::Release() {
+  if (fd_ < 0) return;
+  ops_->Unlink(path_.c_str());  // while held: whoever waits for it sees that it is gone
+  ops_->Close(std::exchange(fd_, -1));
+}
+
+}  // namespace turnlight

@@ -1,0 +1,150 @@
+// Writes a session while it grows, so that whatever happens - a crash after any step, a full disk,
+// a failing fsync - the frames that are good stay good, and the capture can be resumed and ends
+// with the same bytes as if nothing had happened.
+//
+// The folder, in the order in which things appear:
+//   capture.lock         while a program writes here: who it is (base/lock_file.h)
+//   camera.cameramodel, target.ply or target.obj    copies, made at the start
+//   provenance.jsonl     a line per run and per keyframe: program, config, devices, times, retries.
+//                        Outside every hash; the only file with times in it
+//   journal.jsonl        first what was begun, then a line per keyframe that is safe on disk; each
+//                        with its CRC (rig/session/journal.h). No times: it ends with the same
+//                        bytes
+//   frames/NNN.png|exr, frames/NNN.validity.png, frames/closure.png|exr
+//   session.json         at the end, by Finish: without it, the capture is unfinished
+//
+// A keyframe: each picture -> temporary, write, fsync, rename, fsync of the folder; then its
+// provenance line, then its journal line, each with fsync. What the journal does not name did not
+// happen.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/file.h"
+#include "base/lock_file.h"
+#include "base/result.h"
+#include "calib/camera_model.h"
+#include "calib/pose.h"
+#include "calib/radiometry.h"
+#include "rig/capture/capture_plan.h"
+#include "rig/device.h"
+#include "rig/session/journal.h"
+#include "rig/session/session.h"
+
+namespace turnlight::rig {
+
+// What is captured and with what. The same for every run of one capture: a resume with another
+// config, camera model, mesh or device (vendor, model, serial) is refused.
+struct CaptureSetup {
+  CapturePlan plan;         // valid
+  std::string config_text;  // of the config file, as read
+  std::string name;         // of the session
+  std::string length_unit = "mm";
+  calib::CameraModel camera;
+  calib::Radiometry radiometry;      // of raw DN; the session's is SessionRadiometry of it
+  std::optional<std::string> bayer;  // refused together with a bracket
+  Target target;                     // MeshFile::path: the file to copy, wherever it is
+  PictureFormat format;
+  DeviceIdentity camera_identity, table_identity;
+};
+
+// Who records now, for the provenance.
+struct RunProvenance {
+  std::string program_version, program_commit;
+  std::string utc;                                         // when the run began, a label
+  CameraSettings camera_settings;                          // as read back
+  std::vector<std::pair<std::string, std::string>> notes;  // further device settings, as key, value
+};
+
+// How a keyframe came to be, for the provenance: never hashed, never compared.
+struct KeyframeProvenance {
+  std::string utc;                              // a label
+  DeviceTime exposure_begin{}, exposure_end{};  // first and last, since the run's start
+  int attempts = 1;
+  std::vector<std::string> rejected;  // why, one text per attempt that failed
+  std::vector<std::pair<std::string, std::int64_t>> counters;  // of the devices: frame ids, drops
+};
+
+// One keyframe, as it goes into the session.
+struct RecordedKeyframe {
+  std::size_t index = 0;  // of PlannedFrames
+  double angle_measured_deg = 0.0;
+  calib::Pose X_WC, X_WT;
+  cv::Mat image;             // MergedFrame::image: raw DN, or CV_32F of a bracket
+  cv::Mat1b validity;        // MergedFrame::validity; may be empty
+  calib::Exposure exposure;  // MergedFrame::exposure
+  KeyframeProvenance provenance;
+};
+
+// What was found on a resume.
+struct ResumeReport {
+  std::size_t kept = 0;              // frames that are on disk and have their checksum
+  std::vector<std::string> dropped;  // torn or damaged: one line each, with the angle if known
+};
+
+// One writer, one thread. After a failed Add or Finish every further call fails with the same
+// error: what is on disk after a failed fsync nobody knows. The good frames are kept; destroy the
+// recorder and Resume, in this process or another.
+class SessionRecorder {
+ public:
+  // Takes the lock, checks the space for the whole plan, makes the folder and its first files.
+  // Fails (kInput): the folder holds a session or a begun capture already, another program writes
+  // here (named), a setup that makes no session. Fails (kSystem): space, disk.
+  // ops outlives the recorder.
+  static Result<SessionRecorder> Start(const std::filesystem::path& root, const CaptureSetup& setup,
+                                       const RunProvenance& run, FileOps& ops = SystemFileOps());
+
+  // Takes the lock, reads the journal, checks every file that it names, forgets what is torn or
+  // damaged, removes temporaries. A finished session resumes to nothing missing. Fails (kInput): no
+  // journal, no readable first line, another setup (the message says what differs and both values).
+  static Result<SessionRecorder> Resume(const std::filesystem::path& root,
+                                        const CaptureSetup& setup, const RunProvenance& run,
+                                        FileOps& ops = SystemFileOps());
+
+  // Frames of the plan that are not safe on disk yet, in order of capture.
+  std::vector<PlannedFrame> Missing() const;
+  const ResumeReport& report() const { return report_; }
+  // What is safe on disk, by index.
+  const std::map<std::size_t, JournalEntry>& entries() const { return entries_; }
+  const std::filesystem::path& root() const { return root_; }
+
+  // The frame is safe on disk when this returns success. Fails (kInput): an index that is not
+  // missing, a picture of another size or kind than the setup's, a pose that is none: nothing was
+  // written. Fails (kSystem): space, disk; the text says what, where, how much is free, how many
+  // frames are safe.
+  Status Add(const RecordedKeyframe& keyframe);
+
+  // Writes session.json and gives the lock back. Fails (kIncomplete) if frames are missing, naming
+  // their angles; the closure frame counts. Nothing is written then, and Add may go on.
+  Status Finish();
+
+ private:
+  SessionRecorder(std::filesystem::path root, CaptureSetup setup, FileOps& ops);
+  Status CheckSetup() const;
+  Status Begin(const RunProvenance& run);
+  Status Recover();
+  Status OpenLogs(const RunProvenance& run);
+  Status CheckSpace(std::uint64_t bytes, const std::string& what);
+  Status Write(const RecordedKeyframe& keyframe, JournalEntry entry);
+  Status WriteSessionFiles();
+  Status Break(const Status& status);
+
+  std::filesystem::path root_;
+  CaptureSetup setup_;
+  FileOps* ops_;
+  std::vector<PlannedFrame> planned_;
+  JournalHeader header_;
+  std::map<std::size_t, JournalEntry> entries_;
+  ResumeReport report_;
+  std::optional<LockFile> lock_;
+  std::optional<AppendFile> journal_, provenance_;
+  std::optional<Error> broken_;
+};
+
+}  // namespace turnlight::rig
