@@ -1,5 +1,6 @@
-// Parallel loops whose results do not depend on the number of threads: work is cut into fixed chunks,
-// each chunk writes only its own slot, and whoever reduces does so in the order of the chunks.
+// Parallel loops whose results do not depend on the number of threads: work is cut into fixed
+// chunks, each chunk writes only its own slot, and whoever reduces does so in the order of the
+// chunks.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,9 @@
-// Counter-based random numbers: the value is a pure function of (seed, stream, index), so results do
-// not depend on the order of evaluation, the number of threads, or how often something was tried.
+// Counter-based random numbers: the value is a pure function of (seed, stream, index), so results
+// do not depend on the order of evaluation, the number of threads, or how often something was
+// tried.
 //
-// Generator: Philox4x32-10 of Salmon, Moraes, Dror, Shaw, "Parallel Random Numbers: As Easy as 1, 2,
-// 3" (SC 2011), checked against the known answers published with it.
+// Generator: Philox4x32-10 of Salmon, Moraes, Dror, Shaw, "Parallel Random Numbers: As Easy as 1,
+// 2, 3" (SC 2011), checked against the known answers published with it.
 #pragma once
 
 #include <array>
@@ -17,10 +18,9 @@ inline std::array<std::uint32_t, 4> Philox4x32(std::array<std::uint32_t, 4> coun
   for (int round = 0; round < 10; ++round) {
     const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0];
     const std::uint64_t b = std::uint64_t{0xCD9E8D57} * counter[2];
-    counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0],
-               static_cast<std::uint32_t>(b),
-               static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1],
-               static_cast<std::uint32_t>(a)};
+    counter = {
+        static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
+        static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
     key[0] += 0x9E3779B9u;
     key[1] += 0xBB67AE85u;
   }
@@ -51,10 +51,10 @@ class RandomStream {
 
  private:
   std::array<std::uint32_t, 4> Words(std::uint64_t index) const {
-    return Philox4x32({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32),
-                       static_cast<std::uint32_t>(stream_),
-                       static_cast<std::uint32_t>(stream_ >> 32)},
-                      key_);
+    return Philox4x32(
+        {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32),
+         static_cast<std::uint32_t>(stream_), static_cast<std::uint32_t>(stream_ >> 32)},
+        key_);
   }
   static double ToUnit(std::uint32_t high, std::uint32_t low) {
     const std::uint64_t bits = (std::uint64_t{high} << 32 | low) >> 11;

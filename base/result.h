@@ -1,14 +1,13 @@
 // What a call that can fail returns: a value, or an Error that the caller must look at.
 //
-// Three kinds of failure are never mixed: a bug is an assert; bad input of a user is an Error of kind
-// kInput that names file, key, value and what was allowed; a fault of hardware or data is an Error of
-// its own kind. Nothing in turnlight throws across a public function.
+// Three kinds of failure are never mixed: a bug is an assert; bad input of a user is an Error of
+// kind kInput that names file, key, value and what was allowed; a fault of hardware or data is an
+// Error of its own kind. Nothing in turnlight throws across a public function.
 #pragma once
 
 #include <string>
-#include <utility>
-
 #include <tl/expected.hpp>
+#include <utility>
 
 namespace turnlight {
 

@@ -1,5 +1,5 @@
-// Reads objects of JSON and YAML files strictly: every key is known, every value is of the right kind
-// and in its range, and every refusal names file, key, value and what is allowed.
+// Reads objects of JSON and YAML files strictly: every key is known, every value is of the right
+// kind and in its range, and every refusal names file, key, value and what is allowed.
 //
 // Usage:
 //   StrictObject object(document.Root());
@@ -14,13 +14,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "base/result.h"
 
@@ -28,13 +27,13 @@ namespace turnlight {
 
 // A parsed file. Values are JSON whatever the file's syntax; lines are known for YAML.
 struct Document {
-  std::string file;                  // as shown in messages
+  std::string file;  // as shown in messages
   nlohmann::json root;
   std::map<std::string, int> lines;  // JSON pointer -> line (from 1), YAML only
 };
 
-// file is only for messages. Fails (kInput) on a syntax error, with its line; on duplicate keys; and
-// on nesting deeper than 32 levels.
+// file is only for messages. Fails (kInput) on a syntax error, with its line; on duplicate keys;
+// and on nesting deeper than 32 levels.
 Result<Document> ParseJson(std::string_view text, std::string file);
 Result<Document> ParseYaml(const std::string& text, std::string file);
 

@@ -9,12 +9,11 @@
 // angle (its last three intrinsics); it is taken as mrcal 2.2 does, the same at every distance.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "base/result.h"
 
@@ -24,8 +23,8 @@ class CameraModel {
  public:
   // Parses the text of a .cameramodel. The extrinsics in it are ignored. Fails (kInput) with file,
   // key, value and what is allowed: a syntax error, a missing key, an unknown lens model, a wrong
-  // number of intrinsics, a number that is not finite, focal lengths that are not positive, an image
-  // size outside 1..65536 on either side or more than 2^28 pixels.
+  // number of intrinsics, a number that is not finite, focal lengths that are not positive, an
+  // image size outside 1..65536 on either side or more than 2^28 pixels.
   static Result<CameraModel> FromString(const std::string& text, const std::string& file);
   static Result<CameraModel> FromFile(const std::filesystem::path& path);
   static CameraModel Pinhole(int width, int height, double fx, double fy, double cx, double cy);
@@ -36,14 +35,15 @@ class CameraModel {
   const std::string& lens_model() const { return lens_model_; }
   const std::vector<double>& intrinsics() const { return intrinsics_; }
 
-  // Unit directions in C of image points, exact to 1e-7 pixels and better; a point that the lens model
-  // does not reach gives NaN: no direction projects there, or only the mirrored branch does.
+  // Unit directions in C of image points, exact to 1e-7 pixels and better; a point that the lens
+  // model does not reach gives NaN: no direction projects there, or only the mirrored branch does.
   std::vector<Eigen::Vector3d> Unproject(const std::vector<Eigen::Vector2d>& points) const;
   // Image points of directions or positions in C (z forward). A failed one gives NaN: the origin, a
   // number that is not finite, z <= 0 for a lens model that cannot see behind itself.
   std::vector<Eigen::Vector2d> Project(const std::vector<Eigen::Vector3d>& p_C) const;
 
-  // The text of a .cameramodel file; numbers have as many digits as reading the same bits back needs.
+  // The text of a .cameramodel file; numbers have as many digits as reading the same bits back
+  // needs.
   std::string ToString() const;
 
  private:
@@ -55,9 +55,9 @@ class CameraModel {
 };
 
 // The unit rays of all pixels of a camera, with one pixel of margin all round, from which rays
-// anywhere within a pixel and ray differentials follow by quadratic interpolation. Its error is about
-// 0.3 / f^3 radians for a focal length of f pixels: 3e-7 at 100, 2e-9 at 500. Built once per camera,
-// in parallel.
+// anywhere within a pixel and ray differentials follow by quadratic interpolation. Its error is
+// about 0.3 / f^3 radians for a focal length of f pixels: 3e-7 at 100, 2e-9 at 500. Built once per
+// camera, in parallel.
 class RayGrid {
  public:
   explicit RayGrid(const CameraModel& camera);

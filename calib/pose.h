@@ -2,10 +2,9 @@
 // Frames: W world (lights live here), T target, C camera (x right, y down, z forward).
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <vector>
 
 #include "base/result.h"
 
@@ -21,9 +20,7 @@ struct Pose {
   Pose operator*(const Pose& other) const {
     return {rotation * other.rotation, rotation * other.translation + translation};
   }
-  Pose Inverse() const {
-    return {rotation.transpose(), -(rotation.transpose() * translation)};
-  }
+  Pose Inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
 };
 
 // The three rows [R | t] of a pose, 12 numbers row by row. Fails (kInput) with the measured and the

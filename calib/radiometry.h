@@ -6,9 +6,8 @@
 #pragma once
 
 #include <array>
-#include <optional>
-
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "base/result.h"
 
@@ -18,10 +17,10 @@ enum class Encoding { kLinear, kSrgb, kGamma };
 
 struct Radiometry {
   Encoding encoding = Encoding::kLinear;
-  double gamma = 2.2;   // used by kGamma
-  double black = 0.0;   // DN of no light
-  double white = 1.0;   // DN of radiance 1; above black
-  std::optional<double> saturation;  // DN from which a pixel is clipped; default white
+  double gamma = 2.2;                           // used by kGamma
+  double black = 0.0;                           // DN of no light
+  double white = 1.0;                           // DN of radiance 1; above black
+  std::optional<double> saturation;             // DN from which a pixel is clipped; default white
   std::optional<double> reference_exposure_us;  // default: frame 0's
   std::optional<double> reference_gain_db;      // default: frame 0's, or 0
   std::array<double, 3> white_balance{1.0, 1.0, 1.0};  // R, G, B; positive
@@ -40,8 +39,8 @@ double ExposureFactor(const Radiometry& radiometry, const Exposure& exposure);
 
 // A picture in linear radiance. Colour is in the order R, G, B.
 struct LinearImage {
-  cv::Mat radiance;         // CV_32FC1 or CV_32FC3, h x w
-  cv::Mat1b saturated;      // 255 where any channel's DN >= saturation (or is not finite), else 0
+  cv::Mat radiance;     // CV_32FC1 or CV_32FC3, h x w
+  cv::Mat1b saturated;  // 255 where any channel's DN >= saturation (or is not finite), else 0
 };
 
 // image: CV_8U, CV_16U or CV_32F with 1 or 3 channels (R, G, B), as decoded; values are DN.

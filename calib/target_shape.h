@@ -2,10 +2,9 @@
 // traces. Lengths in the session's unit.
 #pragma once
 
+#include <Eigen/Core>
 #include <variant>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace turnlight::calib {
 

@@ -64,9 +64,9 @@ Quadrature MakeQuadrature() {
 }
 
 void FillQuadrature(KernelModel& model) {
-  static const Quadrature quadrature = MakeQuadrature();
-  std::memcpy(model.node, quadrature.node, sizeof model.node);
-  std::memcpy(model.weight, quadrature.weight, sizeof model.weight);
+  static const Quadrature kQuadrature = MakeQuadrature();
+  std::memcpy(model.node, kQuadrature.node, sizeof model.node);
+  std::memcpy(model.weight, kQuadrature.weight, sizeof model.weight);
 }
 
 void FillOrenNayar(KernelModel& model, const Reflectance& reflectance) {

@@ -16,9 +16,8 @@
 
 namespace turnlight::estimator {
 
-// Where each parameter's row and column stand. Shininess is in log; Oren-
-// Nayar's roughness by its square, for the model is even in it and a start at 0 would not move;
-// directions are two tangent
+// Where each parameter's row and column stand. Shininess is in log; Oren-Nayar's roughness by its
+// square, for the model is even in it and a start at 0 would not move; directions are two tangent
 // coordinates in TangentBasis(u); inverse distances are in units of 1/R, as all of a Scene here.
 struct Columns {
   int channels = 3;

@@ -2,10 +2,10 @@
 
 namespace turnlight::estimator::kernel {
 
-extern const KernelFunctions kKernel_baseline;
+extern const KernelFunctions kKernelBaseline;
 #if defined(__x86_64__)
-extern const KernelFunctions kKernel_avx2;
-extern const KernelFunctions kKernel_avx512;
+extern const KernelFunctions kKernelAvx2;
+extern const KernelFunctions kKernelAvx512;
 #endif
 
 int RunnableKernels(const KernelFunctions** out, int max) {
@@ -13,10 +13,10 @@ int RunnableKernels(const KernelFunctions** out, int max) {
   const auto add = [&](const KernelFunctions& functions) {
     if (count < max) out[count++] = &functions;
   };
-  add(kKernel_baseline);
+  add(kKernelBaseline);
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) add(kKernel_avx2);
-  if (__builtin_cpu_supports("avx512f")) add(kKernel_avx512);
+  if (__builtin_cpu_supports("avx2")) add(kKernelAvx2);
+  if (__builtin_cpu_supports("avx512f")) add(kKernelAvx512);
 #endif
   return count;
 }

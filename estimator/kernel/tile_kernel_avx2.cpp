@@ -5,8 +5,8 @@
 
 namespace turnlight::estimator::kernel {
 
-extern const KernelFunctions kKernel_avx2;
-const KernelFunctions kKernel_avx2 = {
+extern const KernelFunctions kKernelAvx2;
+const KernelFunctions kKernelAvx2 = {
     [](const KernelModel& model, const KernelPixels& pixels, float* workspace, KernelSums& out) {
       AccumulateTiles<float>(model, pixels, workspace, out);
     },

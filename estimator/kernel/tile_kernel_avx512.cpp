@@ -5,8 +5,8 @@
 
 namespace turnlight::estimator::kernel {
 
-extern const KernelFunctions kKernel_avx512;
-const KernelFunctions kKernel_avx512 = {
+extern const KernelFunctions kKernelAvx512;
+const KernelFunctions kKernelAvx512 = {
     [](const KernelModel& model, const KernelPixels& pixels, float* workspace, KernelSums& out) {
       AccumulateTiles<float>(model, pixels, workspace, out);
     },

@@ -3,8 +3,8 @@
 
 namespace turnlight::estimator::kernel {
 
-extern const KernelFunctions kKernel_baseline;
-const KernelFunctions kKernel_baseline = {
+extern const KernelFunctions kKernelBaseline;
+const KernelFunctions kKernelBaseline = {
     [](const KernelModel& model, const KernelPixels& pixels, float* workspace, KernelSums& out) {
       AccumulateTiles<float>(model, pixels, workspace, out);
     },
