@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 missing=()
 while read -r folder; do
   [ -f "$folder/README.md" ] || missing+=("$folder")
-done < <(git ls-files -- app base bench calib cmake configs docs estimator rig scripts tests |
+done < <(git ls-files -- app base bench calib cmake configs docs estimator nodes rig scripts tests |
   xargs dirname | sed -E 's,^(tests|configs)/.*,\1,' | sort -u)
 if [ ${#missing[@]} -gt 0 ]; then
   echo "without README.md: ${missing[*]}"
