@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/angles.h"
 
@@ -12,44 +11,15 @@ namespace {
 constexpr double kMaxLength = 1e9;
 constexpr double kMaxValue = 1e6;
 
-std::string Show(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
+void Within(ConfigChecker& check, const std::string& key, Interval interval, double min,
+            double max) {
+  check.Require(interval.low >= min && interval.low <= interval.high && interval.high <= max, key,
+                "[" + ShowNumber(interval.low) + ", " + ShowNumber(interval.high) +
+                    "], allowed is a pair of rising numbers from " + ShowNumber(min) + " to " +
+                    ShowNumber(max));
 }
 
-// Keeps the first refusal; the checks read as a list.
-class Checker {
- public:
-  void From(const std::string& key, double value, double min, double max) {
-    if (!(value >= min && value <= max))
-      Refuse(key, Show(value) + ", allowed is a number from " + Show(min) + " to " + Show(max));
-  }
-  void Above(const std::string& key, double value, double above, double max,
-             const std::string& because = "") {
-    if (!(value > above && value <= max))
-      Refuse(key, Show(value) + ", allowed is a number above " + Show(above) +
-                      (because.empty() ? "" : " (" + because + ")") + " and at most " + Show(max));
-  }
-  void Within(const std::string& key, Interval interval, double min, double max) {
-    if (!(interval.low >= min && interval.low <= interval.high && interval.high <= max))
-      Refuse(key, "[" + Show(interval.low) + ", " + Show(interval.high) +
-                      "], allowed is a pair of rising numbers from " + Show(min) + " to " +
-                      Show(max));
-  }
-  void Require(bool good, const std::string& key, const std::string& text) {
-    if (!good) Refuse(key, text);
-  }
-  const std::optional<ConfigProblem>& problem() const { return problem_; }
-
- private:
-  void Refuse(const std::string& key, std::string text) {
-    if (!problem_) problem_ = ConfigProblem{key, std::move(text)};
-  }
-  std::optional<ConfigProblem> problem_;
-};
-
-void CheckTarget(Checker& check, const SyntheticTarget& target) {
+void CheckTarget(ConfigChecker& check, const SyntheticTarget& target) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&target)) {
     check.Above("target/radius", sphere->radius, 0.0, kMaxLength);
   } else if (const auto* plane = std::get_if<calib::PlaneShape>(&target)) {
@@ -61,11 +31,11 @@ void CheckTarget(Checker& check, const SyntheticTarget& target) {
     check.From("target/depth", blob->depth, 0.0, 0.5);
     check.From("target/segments", blob->segments, 8, 1024);
     check.Require(blob->segments % 2 == 0, "target/segments",
-                  Show(blob->segments) + ", allowed is an even number");
+                  ShowNumber(blob->segments) + ", allowed is an even number");
   }
 }
 
-void CheckMotion(Checker& check, const SyntheticConfig& config) {
+void CheckMotion(ConfigChecker& check, const SyntheticConfig& config) {
   const Motion& motion = config.motion;
   check.From("motion/frames", motion.frames, 1, 10000);
   check.From("motion/step_deg", motion.step_deg, -360.0, 360.0);
@@ -75,10 +45,10 @@ void CheckMotion(Checker& check, const SyntheticConfig& config) {
   check.From("motion/tilt_deg", motion.tilt_deg, -90.0, 90.0);
   check.Require(motion.tilt_deg == 0.0 || std::holds_alternative<calib::PlaneShape>(config.target),
                 "motion/tilt_deg",
-                Show(motion.tilt_deg) + ", allowed is 0, as only a plane is tilted");
+                ShowNumber(motion.tilt_deg) + ", allowed is 0, as only a plane is tilted");
 }
 
-void CheckCamera(Checker& check, const SyntheticCamera& camera) {
+void CheckCamera(ConfigChecker& check, const SyntheticCamera& camera) {
   check.From("camera/size", camera.width, 8, 16384);
   check.From("camera/size", camera.height, 8, 16384);
   check.Above("camera/focal_px", camera.focal_px, 0.0, kMaxValue);
@@ -86,12 +56,12 @@ void CheckCamera(Checker& check, const SyntheticCamera& camera) {
   for (const double value : *camera.distortion) check.From("camera/distortion", value, -100, 100);
 }
 
-void CheckColor(Checker& check, const std::string& key, const Eigen::Vector3d& color) {
+void CheckColor(ConfigChecker& check, const std::string& key, const Eigen::Vector3d& color) {
   check.From(key, color.minCoeff(), 0.0, kMaxValue);
   check.From(key, color.maxCoeff(), 0.0, kMaxValue);
 }
 
-void CheckLights(Checker& check, const SyntheticConfig& config) {
+void CheckLights(ConfigChecker& check, const SyntheticConfig& config) {
   const double radius = TargetRadius(config.target);
   if (const auto* list = std::get_if<std::vector<LightSpec>>(&config.lights)) {
     check.Require(list->size() <= 64, "lights", "more than 64 lights, allowed are at most 64");
@@ -114,13 +84,13 @@ void CheckLights(Checker& check, const SyntheticConfig& config) {
   check.From("random_lights/zenith_max_deg", random.zenith_max_deg, 0.0, 180.0);
   check.Above("random_lights/distance", random.distance.low, radius, kMaxLength,
               "the target's radius");
-  check.Within("random_lights/distance", random.distance, 0.0, kMaxLength);
+  Within(check, "random_lights/distance", random.distance, 0.0, kMaxLength);
   check.From("random_lights/distant_share", random.distant_share, 0.0, 1.0);
   check.Above("random_lights/intensity", random.intensity.low, 0.0, kMaxValue);
-  check.Within("random_lights/intensity", random.intensity, 0.0, kMaxValue);
+  Within(check, "random_lights/intensity", random.intensity, 0.0, kMaxValue);
 }
 
-void CheckReflectance(Checker& check, const SyntheticConfig& config) {
+void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
   if (const auto* given = std::get_if<estimator::Reflectance>(&config.reflectance)) {
     CheckColor(check, "reflectance/albedo", given->albedo);
     check.From("reflectance/ambient", given->ambient, 0.0, kMaxValue);
@@ -131,15 +101,15 @@ void CheckReflectance(Checker& check, const SyntheticConfig& config) {
     return;
   }
   const auto& random = std::get<RandomReflectance>(config.reflectance);
-  check.Within("random_reflectance/albedo", random.albedo, 0.0, kMaxValue);
-  check.Within("random_reflectance/ambient", random.ambient, 0.0, kMaxValue);
-  check.Within("random_reflectance/diffuse", random.diffuse, 0.0, kMaxValue);
-  check.Within("random_reflectance/specular", random.specular, 0.0, kMaxValue);
-  check.Within("random_reflectance/shininess", random.shininess, 0.5, 1e5);
-  check.Within("random_reflectance/roughness_deg", random.roughness_deg, 0.0, 90.0);
+  Within(check, "random_reflectance/albedo", random.albedo, 0.0, kMaxValue);
+  Within(check, "random_reflectance/ambient", random.ambient, 0.0, kMaxValue);
+  Within(check, "random_reflectance/diffuse", random.diffuse, 0.0, kMaxValue);
+  Within(check, "random_reflectance/specular", random.specular, 0.0, kMaxValue);
+  Within(check, "random_reflectance/shininess", random.shininess, 0.5, 1e5);
+  Within(check, "random_reflectance/roughness_deg", random.roughness_deg, 0.0, 90.0);
 }
 
-void CheckSensor(Checker& check, const Sensor& sensor) {
+void CheckSensor(ConfigChecker& check, const Sensor& sensor) {
   const bool is_float = sensor.depth == SensorDepth::kFloat;
   const double top = sensor.depth == SensorDepth::k8    ? 255.0
                      : sensor.depth == SensorDepth::k16 ? 65535.0
@@ -187,7 +157,7 @@ double TargetRadius(const SyntheticTarget& target) {
 }
 
 std::optional<ConfigProblem> Validate(const SyntheticConfig& config) {
-  Checker check;
+  ConfigChecker check;
   check.From("seed", static_cast<double>(config.seed), 0.0, 0x1p53);
   check.Require(
       !config.name.empty() && config.name.size() <= 200, "name",

@@ -14,23 +14,13 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Wide enough that Validate is the one that judges.
-constexpr std::int64_t kAnyInteger = 1'000'000'000;
 constexpr std::uint64_t kMaxFileBytes = 16 << 20;
 
-void Read(StrictObject& object, const char* key, double& value) {
-  value = object.OptionalNumber(key).value_or(value);
-}
-
-void Read(StrictObject& object, const char* key, int& value) {
-  value = static_cast<int>(object.OptionalInteger(key, -kAnyInteger, kAnyInteger).value_or(value));
-}
-
-void Read(StrictObject& object, const char* key, Interval& value) {
+void ReadField(StrictObject& object, const char* key, Interval& value) {
   if (const auto pair = object.OptionalNumbers(key, 2)) value = {(*pair)[0], (*pair)[1]};
 }
 
-void Read(StrictObject& object, const char* key, Eigen::Vector3d& value) {
+void ReadField(StrictObject& object, const char* key, Eigen::Vector3d& value) {
   if (const auto list = object.OptionalNumbers(key, 3))
     value = {(*list)[0], (*list)[1], (*list)[2]};
 }
@@ -43,7 +33,7 @@ Status ReadTarget(StrictObject object, SyntheticTarget& target) {
   const std::string shape = object.Choice("shape", {"sphere", "plane", "blob"});
   if (shape == "sphere") {
     calib::SphereShape sphere{50.0};
-    Read(object, "radius", sphere.radius);
+    ReadField(object, "radius", sphere.radius);
     target = sphere;
   } else if (shape == "plane") {
     calib::PlaneShape plane{200.0, 150.0, 1};
@@ -51,13 +41,13 @@ Status ReadTarget(StrictObject object, SyntheticTarget& target) {
       plane.width = (*size)[0];
       plane.height = (*size)[1];
     }
-    Read(object, "sides", plane.sides);
+    ReadField(object, "sides", plane.sides);
     target = plane;
   } else {
     Blob blob;
-    Read(object, "radius", blob.radius);
-    Read(object, "depth", blob.depth);
-    Read(object, "segments", blob.segments);
+    ReadField(object, "radius", blob.radius);
+    ReadField(object, "depth", blob.depth);
+    ReadField(object, "segments", blob.segments);
     target = blob;
   }
   return object.Finish();
@@ -66,11 +56,11 @@ Status ReadTarget(StrictObject object, SyntheticTarget& target) {
 Status ReadMotion(StrictObject object, Motion& motion) {
   if (object.OptionalChoice("kind", {"orbit", "table"}) == "table")
     motion.kind = MotionKind::kTable;
-  Read(object, "frames", motion.frames);
-  Read(object, "step_deg", motion.step_deg);
-  Read(object, "distance", motion.distance);
-  Read(object, "elevation_deg", motion.elevation_deg);
-  Read(object, "tilt_deg", motion.tilt_deg);
+  ReadField(object, "frames", motion.frames);
+  ReadField(object, "step_deg", motion.step_deg);
+  ReadField(object, "distance", motion.distance);
+  ReadField(object, "elevation_deg", motion.elevation_deg);
+  ReadField(object, "tilt_deg", motion.tilt_deg);
   return object.Finish();
 }
 
@@ -81,7 +71,7 @@ Status ReadCamera(StrictObject object, SyntheticCamera& camera) {
     camera.width = static_cast<int>((*size)[0]);
     camera.height = static_cast<int>((*size)[1]);
   }
-  Read(object, "focal_px", camera.focal_px);
+  ReadField(object, "focal_px", camera.focal_px);
   const auto distortion = object.OptionalNumbers("distortion", 8);
   if (object.OptionalChoice("lens", {"pinhole", "opencv8"}) == "opencv8") {
     camera.distortion.emplace();
@@ -99,8 +89,8 @@ Status ReadLightList(StrictObject& object, SyntheticConfig& config) {
     const std::vector<double> direction = entry.Numbers("direction", 3);
     light.direction = {direction[0], direction[1], direction[2]};
     light.distance = NumberOrNull(entry, "distance");
-    Read(entry, "intensity", light.intensity);
-    Read(entry, "color", light.color);
+    ReadField(entry, "intensity", light.intensity);
+    ReadField(entry, "color", light.color);
     if (Status status = entry.Finish(); !status) return status;
     lights.push_back(light);
   }
@@ -110,12 +100,12 @@ Status ReadLightList(StrictObject& object, SyntheticConfig& config) {
 
 Status ReadRandomLights(StrictObject object, SyntheticConfig& config) {
   RandomLights random;
-  Read(object, "count", random.count);
-  Read(object, "min_separation_deg", random.min_separation_deg);
-  Read(object, "zenith_max_deg", random.zenith_max_deg);
-  Read(object, "distance", random.distance);
-  Read(object, "distant_share", random.distant_share);
-  Read(object, "intensity", random.intensity);
+  ReadField(object, "count", random.count);
+  ReadField(object, "min_separation_deg", random.min_separation_deg);
+  ReadField(object, "zenith_max_deg", random.zenith_max_deg);
+  ReadField(object, "distance", random.distance);
+  ReadField(object, "distant_share", random.distant_share);
+  ReadField(object, "intensity", random.intensity);
   config.lights = random;
   return object.Finish();
 }
@@ -129,12 +119,12 @@ Status ReadRandomReflectance(StrictObject object, SyntheticConfig& config) {
   if (model == "none") random.model = SpecularModel::kNone;
   if (object.OptionalChoice("diffuse_model", {"lambert", "oren-nayar"}) == "oren-nayar")
     random.diffuse_model = DiffuseModel::kOrenNayar;
-  Read(object, "albedo", random.albedo);
-  Read(object, "ambient", random.ambient);
-  Read(object, "diffuse", random.diffuse);
-  Read(object, "specular", random.specular);
-  Read(object, "shininess", random.shininess);
-  Read(object, "roughness_deg", random.roughness_deg);
+  ReadField(object, "albedo", random.albedo);
+  ReadField(object, "ambient", random.ambient);
+  ReadField(object, "diffuse", random.diffuse);
+  ReadField(object, "specular", random.specular);
+  ReadField(object, "shininess", random.shininess);
+  ReadField(object, "roughness_deg", random.roughness_deg);
   config.reflectance = random;
   return object.Finish();
 }
@@ -164,11 +154,11 @@ Status ReadSensor(StrictObject object, Sensor& sensor) {
   if (format == "tiff") sensor.format = FileFormat::kTiff;
   if (format == "exr") sensor.format = FileFormat::kExr;
   if (Status status = ReadEncoding(object, sensor); !status) return status;
-  Read(object, "black", sensor.black);
+  ReadField(object, "black", sensor.black);
   sensor.white = NumberOrNull(object, "white");
   sensor.saturation = NumberOrNull(object, "saturation");
-  Read(object, "noise_relative", sensor.noise_relative);
-  Read(object, "noise_shot", sensor.noise_shot);
+  ReadField(object, "noise_relative", sensor.noise_relative);
+  ReadField(object, "noise_shot", sensor.noise_shot);
   sensor.clip_share = NumberOrNull(object, "clip_share");
   return object.Finish();
 }
@@ -322,14 +312,17 @@ void AppendYaml(const ordered_json& object, const std::string& indent, std::stri
 Result<SyntheticConfig> ParseSyntheticConfig(const std::string& text, const std::string& file) {
   auto document = ParseYaml(text, file);
   if (!document) return Forward(document);
-  StrictObject object(*document);
+  return ReadSyntheticConfig(StrictObject(*document));
+}
+
+Result<SyntheticConfig> ReadSyntheticConfig(StrictObject object) {
   SyntheticConfig config;
   config.seed = static_cast<std::uint64_t>(
       object.OptionalInteger("seed", 0, std::int64_t{1} << 53).value_or(1));
   config.name = object.OptionalString("name").value_or(config.name);
   RefuseBoth(object, "lights", "random_lights");
   RefuseBoth(object, "reflectance", "random_reflectance");
-  Read(object, "samples_per_side", config.samples_per_side);
+  ReadField(object, "samples_per_side", config.samples_per_side);
   config.masks = object.OptionalBoolean("masks").value_or(config.masks);
   if (!object.ok()) return Forward(object.Finish());
   if (Status status = ReadParts(object, config); !status) return Forward(status);

@@ -1,0 +1,151 @@
+#include "rig/sim/studio.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "base/angles.h"
+#include "base/parallel.h"
+#include "rig/sim/random_scene.h"
+
+namespace turnlight::rig {
+namespace {
+
+using calib::Pose;
+
+Result<calib::CameraModel> MakeCamera(const SyntheticCamera& config) {
+  const double cx = 0.5 * (config.width - 1);
+  const double cy = 0.5 * (config.height - 1);
+  if (!config.distortion)
+    return calib::CameraModel::Pinhole(config.width, config.height, config.focal_px,
+                                       config.focal_px, cx, cy);
+  char number[64];
+  std::string intrinsics;
+  const auto add = [&](double value) {
+    std::snprintf(number, sizeof number, "%.17g, ", value);
+    intrinsics += number;
+  };
+  for (const double value : {config.focal_px, config.focal_px, cx, cy}) add(value);
+  for (const double value : *config.distortion) add(value);
+  return calib::CameraModel::FromString(
+      "{'lensmodel': 'LENSMODEL_OPENCV8', 'extrinsics': [0, 0, 0, 0, 0, 0], 'intrinsics': [" +
+          intrinsics + "], 'imagersize': [" + std::to_string(config.width) + ", " +
+          std::to_string(config.height) + "]}",
+      "camera");
+}
+
+calib::TargetShape MakeTarget(const SyntheticConfig& config) {
+  if (const auto* sphere = std::get_if<calib::SphereShape>(&config.target)) return *sphere;
+  if (const auto* plane = std::get_if<calib::PlaneShape>(&config.target)) return *plane;
+  return MakeBlob(std::get<Blob>(config.target), config.seed);
+}
+
+// A camera at the given azimuth and elevation that looks at W's origin, its x axis level.
+Pose LookAtOrigin(double azimuth, double elevation, double distance) {
+  const Eigen::Vector3d outward(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+  Pose X_WC;
+  X_WC.rotation.col(0) = Eigen::Vector3d(-std::sin(azimuth), std::cos(azimuth), 0.0);
+  X_WC.rotation.col(2) = -outward;
+  X_WC.rotation.col(1) = X_WC.rotation.col(2).cross(X_WC.rotation.col(0));
+  X_WC.translation = distance * outward;
+  return X_WC;
+}
+
+Pose Turn(const Eigen::Vector3d& axis, double angle) {
+  return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), Eigen::Vector3d::Zero()};
+}
+
+double GainFactor(const calib::Radiometry& radiometry, const calib::Exposure& exposure) {
+  return std::pow(10.0, (exposure.gain_db - radiometry.reference_gain_db.value_or(0.0)) / 20.0);
+}
+
+// Of the noise of a signal, the share of white that the light gives in this exposure.
+double SignalSigma(const Sensor& sensor, double gain_factor, double signal) {
+  const double floor = sensor.noise_relative * gain_factor;
+  const double shot_variance = sensor.noise_shot * sensor.noise_shot * gain_factor;
+  return std::sqrt(floor * floor + shot_variance * std::max(signal, 0.0));
+}
+
+cv::Mat3f WithNoise(const Sensor& sensor, const calib::Radiometry& radiometry,
+                    const calib::Exposure& exposure, const RandomStream& random,
+                    const cv::Mat3f& radiance) {
+  if (sensor.noise_relative == 0.0 && sensor.noise_shot == 0.0) return radiance;
+  const double exposure_factor = calib::ExposureFactor(radiometry, exposure);
+  const double gain_factor = GainFactor(radiometry, exposure);
+  cv::Mat3f noisy(radiance.size());
+  ParallelFor(static_cast<std::size_t>(radiance.rows), [&](std::size_t row) {
+    const cv::Vec3f* pixels = radiance[static_cast<int>(row)];
+    cv::Vec3f* out = noisy[static_cast<int>(row)];
+    for (int column = 0; column < radiance.cols; ++column) {
+      for (int c = 0; c < 3; ++c) {
+        const std::uint64_t index = (row * radiance.cols + column) * 3 + c;
+        const double signal = pixels[column][c] / exposure_factor;
+        const double sigma = SignalSigma(sensor, gain_factor, signal);
+        out[column][c] =
+            static_cast<float>((signal + sigma * random.Normal(index)) * exposure_factor);
+      }
+    }
+  });
+  return noisy;
+}
+
+int CvDepth(SensorDepth depth) {
+  return depth == SensorDepth::k8 ? CV_8U : depth == SensorDepth::k16 ? CV_16U : CV_32F;
+}
+
+}  // namespace
+
+Result<Studio> BuildStudio(const SyntheticConfig& config) {
+  if (const auto problem = Validate(config)) return InputError(problem->key + ": " + problem->text);
+  auto camera = MakeCamera(config.camera);
+  if (!camera) return Forward(camera);
+  auto scene = DrawScene(config);
+  if (!scene) return Forward(scene);
+  const calib::TargetShape target = MakeTarget(config);
+  Studio studio{*camera,
+                calib::RayGrid(*camera),
+                target,
+                estimator::Geometry(target),
+                *scene,
+                config.sensor.ToRadiometry(),
+                config.samples_per_side};
+  studio.radiometry.reference_gain_db = 0.0;
+  return studio;
+}
+
+Placement PlaceAt(const Motion& motion, double angle_deg) {
+  const double angle = DegToRad(angle_deg);
+  const bool orbit = motion.kind == MotionKind::kOrbit;
+  const Pose X_AT =
+      motion.tilt_deg == 0.0 ? Pose{} : Turn(Eigen::Vector3d::UnitY(), DegToRad(motion.tilt_deg));
+  return {LookAtOrigin(orbit ? angle : 0.0, DegToRad(motion.elevation_deg), motion.distance),
+          orbit ? X_AT : Turn(Eigen::Vector3d::UnitZ(), angle) * X_AT};
+}
+
+estimator::Rendering RenderPlacement(const Studio& studio, const Placement& placement, bool lit) {
+  const estimator::Scene dark{{}, studio.scene.reflectance};
+  return estimator::Render(lit ? studio.scene : dark, studio.geometry, studio.rays, placement.X_WC,
+                           placement.X_WT, {.samples_per_side = studio.samples_per_side});
+}
+
+double NoiseSigma(const Sensor& sensor, const calib::Radiometry& radiometry,
+                  const calib::Exposure& exposure, double radiance) {
+  const double exposure_factor = calib::ExposureFactor(radiometry, exposure);
+  return SignalSigma(sensor, GainFactor(radiometry, exposure), radiance / exposure_factor) *
+         exposure_factor;
+}
+
+cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
+                   const calib::Exposure& exposure, const RandomStream& random,
+                   const cv::Mat3f& radiance) {
+  const cv::Mat dn = calib::Encode(WithNoise(sensor, radiometry, exposure, random, radiance),
+                                   radiometry, exposure, CvDepth(sensor.depth));
+  cv::Mat image;
+  cv::min(dn, cv::Scalar::all(std::ceil(radiometry.SaturationDn())), image);
+  return image;
+}
+
+}  // namespace turnlight::rig
