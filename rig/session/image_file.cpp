@@ -73,21 +73,24 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& path, cv::Size expected) 
   return DecodeImage(*bytes, path, expected);
 }
 
-Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+Result<std::string> EncodeImage(const std::filesystem::path& path, const cv::Mat& image) {
   const auto format = FormatOf(path);
   if (!format) return Forward(format);
   if (image.empty() || (image.channels() != 1 && image.channels() != 3))
     return InputError(path.string() + ": the picture has " + std::to_string(image.channels()) +
                       " channels and " + std::to_string(image.total()) +
                       " pixels, allowed are 1 or 3 channels and at least one pixel");
-  Result<std::string> bytes;
   try {
-    bytes = *format == Format::kPng    ? EncodePng(image, path.string())
-            : *format == Format::kTiff ? EncodeTiff(image, path.string())
-                                       : EncodeExr(image, path.string());
+    return *format == Format::kPng    ? EncodePng(image, path.string())
+           : *format == Format::kTiff ? EncodeTiff(image, path.string())
+                                      : EncodeExr(image, path.string());
   } catch (const std::exception& error) {
     return SystemError(path.string() + ": cannot encode the picture: " + error.what());
   }
+}
+
+Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+  const auto bytes = EncodeImage(path, image);
   if (!bytes) return Forward(bytes);
   return WriteFileAtomic(path, *bytes);
 }

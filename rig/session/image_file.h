@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <string>
 
 #include "base/result.h"
 
@@ -23,8 +24,11 @@ Result<cv::Mat> DecodeImage(const std::string& bytes, const std::filesystem::pat
 // Reads and decodes.
 Result<cv::Mat> ReadImage(const std::filesystem::path& path, cv::Size expected = {});
 
-// Encodes by extension and writes atomically. image: CV_8U, CV_16U or CV_32F (.exr, .tif), grey or
-// R, G, B. Deterministic: the same picture gives the same bytes.
+// The bytes of a picture's file; path's extension picks the format. image: CV_8U, CV_16U or CV_32F
+// (.exr, .tif), grey or R, G, B. Deterministic: the same picture gives the same bytes.
+Result<std::string> EncodeImage(const std::filesystem::path& path, const cv::Mat& image);
+
+// Encodes and writes atomically.
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
 }  // namespace turnlight::rig

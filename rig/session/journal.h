@@ -36,7 +36,7 @@ struct JournalEntry {
 
 struct Journal {
   JournalHeader header;
-  std::vector<JournalEntry> entries;  // of two for one index the later
+  std::vector<JournalEntry> entries;  // by index; of two for one index the later
   std::vector<std::string> problems;  // lines that do not count, one text each
   std::string text;                   // of the file
 };

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/file.h"
 #include "base/result.h"
 #include "calib/camera_model.h"
 #include "calib/pose.h"
@@ -55,7 +56,8 @@ Result<Session> ReadSession(const std::filesystem::path& root);
 
 // Writes root/session.json and the camera model. Images, masks and meshes are the caller's.
 // Writes atomically; every double reads back to the same bits.
-Status WriteSession(const Session& session, const std::filesystem::path& root);
+Status WriteSession(const Session& session, const std::filesystem::path& root,
+                    FileOps& ops = SystemFileOps());
 
 // One frame, decoded. image: R, G, B or grey, CV_8U, CV_16U or CV_32F, of the camera's size. mask:
 // 255 = target and valid, else 0 (whole picture if the frame has neither mask nor validity). Bayer
@@ -71,18 +73,21 @@ Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame);
 Result<calib::TargetShape> ReadTarget(const Session& session);
 
 // What `turnlight verify` says: everything that is wrong with the session, one line each; empty
-// when all is well. Reads every file, and goes on after a bad frame.
+// when all is well. Reads every file, and goes on after a bad frame. A folder without session.json
+// but with a journal is a capture that was not finished.
 struct VerifyReport {
   std::vector<std::string> problems;
   std::vector<std::string> remarks;  // not wrong, worth knowing: frames without a checksum, ...
   std::size_t frames = 0;            // read without a problem
-  bool session_good = false;         // what is wrong, if anything, is wrong with files of frames
+  // Commanded angles of frames that are damaged, or that an unfinished capture has not got.
+  std::vector<double> lost_angles_deg;
+  bool session_good = false;  // what is wrong, if anything, is wrong with files of frames
   // The SHA-256 of what `sha256sum` prints for session.json and all files it names, sorted by path:
   // a line "<sha256>  <path>\n" each, paths as session.json has them. "" with problems. Files that
   // session.json does not name (truth.json, provenance.jsonl) do not count.
   std::string content_sha256;
 };
-// Fails only if there is no session.json to verify.
+// Fails only if there is neither a session.json nor a journal to verify.
 Result<VerifyReport> VerifySession(const std::filesystem::path& root);
 
 }  // namespace turnlight::rig

@@ -5,8 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "base/strict_object.h"
-
 namespace turnlight::rig {
 namespace {
 
@@ -18,10 +16,6 @@ constexpr Range kPositive{.above = 0.0};
 bool IsWord(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(),
                                       [](unsigned char c) { return c > ' ' && c != 0x7f; });
-}
-
-bool IsSha256(const std::string& text) {
-  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
 void Collect(const Status& status, std::vector<std::string>& problems) {
@@ -108,27 +102,6 @@ calib::Pose ParsePose(StrictObject& object, const std::string& key) {
   return {};
 }
 
-FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems) {
-  FrameRecord frame;
-  object.AllowPrefix("x-");
-  frame.image = object.String("image");
-  frame.mask = object.OptionalString("mask");
-  frame.validity = object.OptionalString("validity");
-  frame.angle_deg = object.OptionalNumber("angle_deg");
-  frame.angle_measured_deg = object.OptionalNumber("angle_measured_deg");
-  frame.exposure.exposure_us = object.OptionalNumber("exposure_us", kPositive);
-  const auto gain_db = object.OptionalNumber("gain_db");
-  frame.has_gain = gain_db.has_value();
-  frame.exposure.gain_db = gain_db.value_or(0.0);
-  frame.X_WC = ParsePose(object, "X_WC");
-  frame.X_WT = ParsePose(object, "X_WT");
-  frame.sha256 = object.OptionalString("sha256");
-  if (frame.sha256 && !IsSha256(*frame.sha256))
-    object.Refuse("sha256", "64 lower-case hexadecimal digits");
-  Collect(object.Finish(), problems);
-  return frame;
-}
-
 // Either all frames carry an exposure or none; frame 0 is the reference unless the file names one.
 void SettleExposures(const std::string& file, Session& session,
                      std::vector<std::string>& problems) {
@@ -207,6 +180,33 @@ ordered_json PrintPose(const calib::Pose& pose) {
   return matrix;
 }
 
+}  // namespace
+
+bool IsSha256(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems) {
+  FrameRecord frame;
+  object.AllowPrefix("x-");
+  frame.image = object.String("image");
+  frame.mask = object.OptionalString("mask");
+  frame.validity = object.OptionalString("validity");
+  frame.angle_deg = object.OptionalNumber("angle_deg");
+  frame.angle_measured_deg = object.OptionalNumber("angle_measured_deg");
+  frame.exposure.exposure_us = object.OptionalNumber("exposure_us", kPositive);
+  const auto gain_db = object.OptionalNumber("gain_db");
+  frame.has_gain = gain_db.has_value();
+  frame.exposure.gain_db = gain_db.value_or(0.0);
+  frame.X_WC = ParsePose(object, "X_WC");
+  frame.X_WT = ParsePose(object, "X_WT");
+  frame.sha256 = object.OptionalString("sha256");
+  if (frame.sha256 && !IsSha256(*frame.sha256))
+    object.Refuse("sha256", "64 lower-case hexadecimal digits");
+  Collect(object.Finish(), problems);
+  return frame;
+}
+
 ordered_json PrintFrame(const FrameRecord& frame) {
   ordered_json object{{"image", frame.image}};
   if (frame.mask) object["mask"] = *frame.mask;
@@ -220,8 +220,6 @@ ordered_json PrintFrame(const FrameRecord& frame) {
   if (frame.sha256) object["sha256"] = *frame.sha256;
   return object;
 }
-
-}  // namespace
 
 ParsedSession ParseSession(const std::string& text, const std::string& file) {
   ParsedSession parsed;

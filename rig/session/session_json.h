@@ -2,10 +2,12 @@
 // nothing of the other files of a session.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
+#include "base/strict_object.h"
 #include "rig/session/session.h"
 
 namespace turnlight::rig {
@@ -22,6 +24,14 @@ ParsedSession ParseSession(const std::string& text, const std::string& file);
 
 // One frame a line; every double reads back to the same bits.
 std::string PrintSession(const Session& session);
+
+// One frame, as it stands in session.json and in journal.jsonl. What is refused is added to
+// problems.
+FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems);
+nlohmann::ordered_json PrintFrame(const FrameRecord& frame);
+
+// 64 lower-case hexadecimal digits.
+bool IsSha256(const std::string& text);
 
 // "frame 3 (30 deg)", as messages about a frame begin.
 std::string FrameLabel(const Session& session, std::size_t frame);
