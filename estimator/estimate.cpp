@@ -23,7 +23,7 @@ double Seconds() {
 }
 
 // Why nothing usable was observed, counted over all keyframes.
-Error NothingObserved(const std::vector<cv::Mat1b>& flags, std::size_t used) {
+std::string WhyNothing(const std::vector<cv::Mat1b>& flags) {
   std::size_t on_target = 0, saturated = 0, edge = 0;
   for (const cv::Mat1b& picture : flags)
     for (const std::uint8_t flag : picture) {
@@ -32,17 +32,13 @@ Error NothingObserved(const std::vector<cv::Mat1b>& flags, std::size_t used) {
       saturated += (flag & kSaturated) != 0 ? 1 : 0;
       edge += (flag & (kSilhouette | kGrazing)) != 0 ? 1 : 0;
     }
-  std::string text = "no usable estimate: " + std::to_string(used) + " usable pixels, at least " +
-                     std::to_string(kMinPixels) + " are needed. ";
   if (on_target == 0)
-    text += "No pixel shows the target: check the poses, the masks and the target's size.";
-  else if (2 * saturated > on_target)
-    text += std::to_string(saturated) + " of " + std::to_string(on_target) +
-            " target pixels are clipped: lower the exposure or the gain.";
-  else
-    text += std::to_string(edge) + " of " + std::to_string(on_target) +
-            " target pixels are at the outline or too oblique: move the camera closer.";
-  return {ErrorKind::kNoEstimate, text};
+    return "No pixel shows the target: check the poses, the masks and the target's size.";
+  if (2 * saturated > on_target)
+    return std::to_string(saturated) + " of " + std::to_string(on_target) +
+           " target pixels are clipped: lower the exposure or the gain.";
+  return std::to_string(edge) + " of " + std::to_string(on_target) +
+         " target pixels are at the outline or too oblique: move the camera closer.";
 }
 
 // 99.9 % quantile of the grey radiance.
@@ -93,28 +89,26 @@ Scene StartFromGuess(const Observations& sample, const InitialGuess& guess) {
 }
 
 // Views whose pictures differ by more than noise from every earlier distinct one.
-int DistinctViews(const std::vector<Keyframe>& keyframes, double noise) {
-  constexpr int kStep = 3;
+int DistinctViews(const std::vector<cv::Mat>& signatures, double noise) {
   std::vector<const cv::Mat*> distinct;
-  for (const Keyframe& keyframe : keyframes) {
-    const cv::Mat& image = keyframe.image.radiance;
+  for (const cv::Mat& signature : signatures) {
     const auto same = [&](const cv::Mat* other) {
+      if (other->size() != signature.size() || other->type() != signature.type()) return false;
       double sum = 0.0;
       std::size_t count = 0;
-      for (int row = 0; row < image.rows; row += kStep) {
-        const float* a = image.ptr<float>(row);
-        const float* b = other->ptr<float>(row);
-        for (int i = 0; i < image.cols * image.channels(); i += kStep) {
-          if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
-          const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-          sum += difference * difference;
-          ++count;
-        }
+      const float* a = signature.ptr<float>();
+      const float* b = other->ptr<float>();
+      const std::size_t values = signature.total() * static_cast<std::size_t>(signature.channels());
+      for (std::size_t i = 0; i < values; ++i) {
+        if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
+        const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+        sum += difference * difference;
+        ++count;
       }
       const double limit = 1.5 * std::sqrt(2.0) * noise + 1e-6;
       return count > 0 && sum <= limit * limit * static_cast<double>(count);
     };
-    if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(&image);
+    if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(&signature);
   }
   return static_cast<int>(distinct.size());
 }
@@ -225,15 +219,14 @@ void FillEstimate(const Observations& all, const Refined& refined, Estimate& out
                                    refined.inverse_distance[order[i]] / all.radius,
                                    refined.inverse_distance_sigma[order[i]] / all.radius, i == 0));
   FillSigmas(sigma, refined.specular_sigma, out);
-  out.initial_rms = RmsOf(all, refined.cost_history.front());
   EvaluateOptions squares = refined.options.evaluate;
   squares.huber = 0.0;
   out.rms = RmsOf(all, Evaluate(all, solution.scene, squares).cost);
   out.pixels = all.used;
   out.iterations = refined.iterations;
   out.stopped = solution.converged ? "converged" : "iteration-limit";
-  for (std::size_t i = 0; i < refined.cost_history.size(); ++i)
-    out.history.push_back({static_cast<int>(i), RmsOf(all, refined.cost_history[i])});
+  for (const double cost : refined.cost_history)
+    out.history.push_back({static_cast<int>(out.history.size()), RmsOf(all, cost)});
 }
 
 }  // namespace
@@ -245,45 +238,95 @@ Scene Estimate::ToScene() const {
   return scene;
 }
 
-Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
-                                     const Geometry& geometry, const calib::RayGrid& rays,
-                                     const EstimateOptions& options) {
+cv::Mat ViewSignature(const Keyframe& keyframe) {
+  constexpr int kStep = 3;
+  const cv::Mat& image = keyframe.image.radiance;
+  cv::Mat out((image.rows + kStep - 1) / kStep, (image.cols + kStep - 1) / kStep, image.type());
+  for (int row = 0; row < out.rows; ++row)
+    for (int column = 0; column < out.cols; ++column)
+      std::copy_n(image.ptr<float>(kStep * row) + kStep * column * image.channels(),
+                  image.channels(), out.ptr<float>(row) + column * image.channels());
+  return out;
+}
+
+namespace {
+
+// Where the full solve starts, with the decisions and the residuals on the way there.
+Scene FindStart(const Observations& all, const EstimateOptions& options, double noise,
+                const IntensityMap& map, Estimate& estimate) {
+  if (options.warm_start) return ToSolver(*options.warm_start, all);
+  const Observations sample = Subsample(all, kSampleSize, 1);
+  if (options.initial) {
+    estimate.ladder.push_back(
+        {"lights", true,
+         std::to_string(options.initial->lights.size()) + " lights as given by --initial"});
+    return StartFromGuess(sample, *options.initial);
+  }
+  const auto clusters =
+      LeaderClustering(HighIntensityArea(map, kHighShare), DegToRad(kClusterRadiusDeg));
+  Candidate candidate = FindLights(sample, clusters, noise, estimate.ladder);
+  candidate = ChooseDiffuse(sample, std::move(candidate), noise, estimate.ladder);
+  for (const double rms : candidate.rms_history)
+    estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});
+  return candidate.scene;
+}
+
+}  // namespace
+
+Result<Estimate> EstimateObservations(const Observations& all,
+                                      const std::vector<cv::Mat>& signatures,
+                                      const EstimateOptions& options, IntensityMap* map,
+                                      Refined* refined) {
   const double begin = Seconds();
-  std::vector<cv::Mat1b> flags;
-  const Observations all = BuildObservations(keyframes, geometry, rays, &flags);
-  if (all.used < kMinPixels) return tl::unexpected<Error>(NothingObserved(flags, all.used));
+  if (all.used < kMinPixels)
+    return NoEstimateError("no usable estimate: " + std::to_string(all.used) +
+                           " usable pixels, at least " + std::to_string(kMinPixels) +
+                           " are needed. ");
   if (Brightest(all) <= kDarkRadiance)
     return NoEstimateError("no usable estimate: every usable pixel is black (99.9 % at or below " +
                            std::to_string(Brightest(all)) +
                            " of white): check the lamp, the exposure and "
                            "radiometry.black.");
   const double noise = EstimateNoise(all);
-  const Observations sample = Subsample(all, kSampleSize, 1);
-  EstimateOutput out;
-  Estimate& estimate = out.estimate;
-  out.map = MakeIntensityMap(all);
-  Scene start;
-  if (options.initial) {
-    start = StartFromGuess(sample, *options.initial);
-    estimate.ladder.push_back(
-        {"lights", true, std::to_string(start.lights.size()) + " lights as given by --initial"});
-  } else {
-    const auto clusters =
-        LeaderClustering(HighIntensityArea(out.map, kHighShare), DegToRad(kClusterRadiusDeg));
-    Candidate candidate = FindLights(sample, clusters, noise, estimate.ladder);
-    candidate = ChooseDiffuse(sample, std::move(candidate), noise, estimate.ladder);
-    start = candidate.scene;
-  }
+  Estimate estimate;
+  IntensityMap own_map;
+  IntensityMap& used_map = map ? *map : own_map;
+  if (map || !options.warm_start) used_map = MakeIntensityMap(all);
+  const Scene start = FindStart(all, options, noise, used_map, estimate);
   const double started = Seconds();
-  const Refined refined = Refine(all, start, noise, options.max_iterations, estimate.ladder);
-  FillEstimate(all, refined, estimate);
-  estimate.views = static_cast<int>(keyframes.size());
-  estimate.distinct_views = DistinctViews(keyframes, noise);
+  Refined result = Refine(all, start, noise, options.max_iterations, estimate.ladder);
+  FillEstimate(all, result, estimate);
+  estimate.initial_rms = estimate.history.front().rms;
+  estimate.views = static_cast<int>(signatures.size());
+  estimate.distinct_views = DistinctViews(signatures, noise);
   AddNotes(estimate);
-  out.residuals = ResidualMaps(all, refined.solution.scene, refined.options.evaluate,
-                               {rays.width(), rays.height()});
   estimate.initial_s = started - begin;
   estimate.solve_s = Seconds() - started;
+  if (refined) *refined = std::move(result);
+  return estimate;
+}
+
+Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
+                                     const Geometry& geometry, const calib::RayGrid& rays,
+                                     const EstimateOptions& options) {
+  const double begin = Seconds();
+  std::vector<cv::Mat1b> flags;
+  const Observations all = BuildObservations(keyframes, geometry, rays, &flags);
+  std::vector<cv::Mat> signatures;
+  for (const Keyframe& keyframe : keyframes) signatures.push_back(ViewSignature(keyframe));
+  const double built = Seconds();
+  EstimateOutput out;
+  Refined refined;
+  auto estimate = EstimateObservations(all, signatures, options, &out.map, &refined);
+  if (!estimate) {
+    Error error = estimate.error();
+    if (all.used < kMinPixels) error.text += WhyNothing(flags);
+    return tl::unexpected<Error>(std::move(error));
+  }
+  out.estimate = std::move(*estimate);
+  out.estimate.initial_s += built - begin;
+  out.residuals = ResidualMaps(all, refined.solution.scene, refined.options.evaluate,
+                               {rays.width(), rays.height()});
   return out;
 }
 

@@ -26,6 +26,8 @@ struct InitialGuess {
 
 struct EstimateOptions {
   std::optional<InitialGuess> initial;
+  // Goes on from an earlier estimate (in W) without looking for lights again.
+  std::optional<Scene> warm_start;
   int max_iterations = 100;  // of each full solve
 };
 
@@ -94,6 +96,16 @@ struct EstimateOutput {
   std::vector<cv::Mat1f>
       residuals;  // per keyframe: grey observed minus model; NaN where unobserved
 };
+
+// What distinguishes one view's picture from another's: every third row and column of it.
+cv::Mat ViewSignature(const Keyframe& keyframe);
+
+// The estimate itself, from observations and the views' signatures. On the way out, map and refined
+// (both optional) receive what pictures and residual maps are made of.
+Result<Estimate> EstimateObservations(const Observations& all,
+                                      const std::vector<cv::Mat>& signatures,
+                                      const EstimateOptions& options, IntensityMap* map = nullptr,
+                                      Refined* refined = nullptr);
 
 // Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
 // everything clipped, everything dark, nothing of the target in view.

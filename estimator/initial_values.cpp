@@ -87,9 +87,20 @@ bool MergeAndPrune(Scene& scene) {
   return lights.size() != before;
 }
 
-Candidate Refit(const Observations& sample, const Scene& start, int iterations, double noise) {
-  Solution solution = SolveStart(sample, start, iterations, true);
-  return {std::move(solution.scene), ExcessVariance(solution.equations.cost, sample, noise)};
+// Appends a solve's costs, as root mean squares, to what went before.
+void AppendHistory(const Observations& sample, const Solution& solution,
+                   std::vector<double>& history) {
+  const double values = static_cast<double>(sample.used) * sample.channels;
+  for (std::size_t i = history.empty() ? 0 : 1; i < solution.cost_history.size(); ++i)
+    history.push_back(std::sqrt(2.0 * solution.cost_history[i] / values));
+}
+
+Candidate Refit(const Observations& sample, const Candidate& start, int iterations, double noise) {
+  Solution solution = SolveStart(sample, start.scene, iterations, true);
+  Candidate out{std::move(solution.scene), ExcessVariance(solution.equations.cost, sample, noise),
+                start.rms_history};
+  AppendHistory(sample, solution, out.rms_history);
+  return out;
 }
 
 // The best fit without one of the weakest four lights.
@@ -102,9 +113,9 @@ Candidate BestWithoutOne(const Observations& sample, const Candidate& full, doub
   order.resize(std::min<std::size_t>(order.size(), 4));
   Candidate best;
   for (const std::size_t index : order) {
-    Scene scene = full.scene;
-    scene.lights.erase(scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
-    Candidate candidate = Refit(sample, scene, 20, noise);
+    Candidate start = full;
+    start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
+    Candidate candidate = Refit(sample, start, 20, noise);
     if (best.scene.lights.empty() || candidate.excess < best.excess) best = std::move(candidate);
   }
   return best;
@@ -184,17 +195,20 @@ bool NothingLeft(double excess, const Observations& observations, double noise) 
 }
 
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
-  Scene scene = SolveStart(sample, start, 15, false).scene;
-  Candidate best = Refit(sample, scene, 40, noise);
+  Candidate best;
+  const Solution linear = SolveStart(sample, start, 15, false);
+  AppendHistory(sample, linear, best.rms_history);
+  best.scene = linear.scene;
+  best = Refit(sample, best, 40, noise);
   for (int round = 0; round < 6; ++round) {
-    scene = best.scene;
-    if (!MergeAndPrune(scene) || scene.lights.empty()) break;
-    best = Refit(sample, scene, 20, noise);
+    Candidate merged = best;
+    if (!MergeAndPrune(merged.scene) || merged.scene.lights.empty()) break;
+    best = Refit(sample, merged, 20, noise);
   }
-  return Eliminate(sample, best.scene, noise);
+  return Eliminate(sample, best, noise);
 }
 
-Candidate Eliminate(const Observations& sample, const Scene& fitted, double noise) {
+Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise) {
   Candidate best = Refit(sample, fitted, 40, noise);
   while (best.scene.lights.size() > 1) {
     Candidate fewer = BestWithoutOne(sample, best, noise);

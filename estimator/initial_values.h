@@ -29,13 +29,14 @@ Scene StartFromDirections(const Observations& observations,
 // the excess variance (over noise^2) is less than three times as large. See docs/design.md,
 // "Starts".
 struct Candidate {
-  Scene scene;          // in the observations' coordinates
-  double excess = 0.0;  // residual variance above the noise, with a floor
+  Scene scene;                      // in the observations' coordinates
+  double excess = 0.0;              // residual variance above the noise, with a floor
+  std::vector<double> rms_history;  // on the sample: the start, and after each iteration since
 };
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise);
 
-// The last part of it, from a scene that is already a fit.
-Candidate Eliminate(const Observations& sample, const Scene& fitted, double noise);
+// The last part of it, from what is already a fit.
+Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise);
 
 // The residual variance per value above noise^2, at least a floor that stands for what the model
 // cannot describe anyway.

@@ -178,10 +178,10 @@ Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double 
                            candidate.excess)});
     return candidate;
   }
-  candidate = Eliminate(sample, candidate.scene, noise);
-  Scene start = candidate.scene;
-  start.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
-  start.reflectance.roughness = 0.3;
+  candidate = Eliminate(sample, candidate, noise);
+  Candidate start = candidate;
+  start.scene.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
+  start.scene.reflectance.roughness = 0.3;
   Candidate rough = Eliminate(sample, start, noise);
   const double lights = static_cast<double>(candidate.scene.lights.size());
   const double rough_lights = static_cast<double>(rough.scene.lights.size());

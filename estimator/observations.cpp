@@ -258,6 +258,43 @@ void Gather(const std::vector<T>& from, const std::vector<std::size_t>& picked,
 
 }  // namespace
 
+Observations Concatenate(const std::vector<Observations>& parts) {
+  Observations out;
+  out.channels = 1;
+  Vector3d sum = Vector3d::Zero();
+  std::size_t tiles = 0;
+  for (const Observations& part : parts) {
+    out.radius = part.radius;
+    if (part.used > 0) out.channels = std::max(out.channels, part.channels);
+    out.used += part.used;
+    sum += static_cast<double>(part.used) * part.reference;
+    tiles += part.tiles();
+    out.tile_begin.push_back(tiles);
+  }
+  if (out.used > 0) out.reference = sum / static_cast<double>(out.used);
+  Resize(out, tiles * kTile);
+  std::size_t at = 0;
+  const auto put = [&at](const auto& from, auto& to) {
+    std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  for (const Observations& part : parts) {
+    const Eigen::Vector3f shift = ((part.reference - out.reference) / out.radius).cast<float>();
+    for (int k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < part.size(); ++i)
+        out.position[k][at + i] = part.position[k][i] + shift[k];
+      put(part.normal[k], out.normal[k]);
+      put(part.mirrored[k], out.mirrored[k]);
+      if (k < out.channels) put(part.radiance[part.channels == 1 ? 0 : k], out.radiance[k]);
+    }
+    for (int k = 0; k < 6; ++k) put(part.footprint[k], out.footprint[k]);
+    put(part.pixel, out.pixel);
+    std::copy(part.tile_footprint.begin(), part.tile_footprint.end(),
+              out.tile_footprint.begin() + static_cast<std::ptrdiff_t>(at / kTile));
+    at += part.size();
+  }
+  return out;
+}
+
 Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed) {
   const std::vector<float> gradient = RowGradient(all);
   double mean = 0.0;

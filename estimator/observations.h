@@ -1,7 +1,7 @@
 // What the estimator fits: one entry per usable pixel of every keyframe, as a structure of arrays.
 //
 // Coordinates are the solver's: about a reference point in W, lengths divided by the target's
-// radius R, axes those of W. In single precision: 60 bytes a pixel with colour.
+// radius R, axes those of W. In single precision: 64 bytes a pixel with colour, 56 without.
 #pragma once
 
 #include <Eigen/Core>
@@ -62,6 +62,10 @@ struct Observations {
 // everywhere are taken as grey.
 Observations BuildObservations(const std::vector<Keyframe>& keyframes, const Geometry& geometry,
                                const calib::RayGrid& rays, std::vector<cv::Mat1b>* flags = nullptr);
+
+// The observations of several keyframes, each built alone, as if built together: about the centroid
+// of all. Parts must share geometry; none may be a subsample.
+Observations Concatenate(const std::vector<Observations>& parts);
 
 // A subset of about `count` pixels, in order, in one run of tiles, for starts. A pixel is picked
 // with a probability that grows with its gradient along the row (sharp highlights are few pixels),

@@ -1,0 +1,23 @@
+#include "estimator/anytime.h"
+
+#include <utility>
+
+namespace turnlight::estimator {
+
+void AnytimeEstimator::Add(const Keyframe& keyframe) {
+  parts_.push_back(BuildObservations({keyframe}, geometry_, rays_));
+  signatures_.push_back(ViewSignature(keyframe));
+}
+
+Status AnytimeEstimator::Step() {
+  EstimateOptions options;
+  const bool cold = !current_ || parts_.size() >= next_cold_;
+  if (!cold) options.warm_start = current_->ToScene();
+  auto estimate = EstimateObservations(Concatenate(parts_), signatures_, options);
+  if (!estimate) return Forward(estimate);
+  if (cold) next_cold_ = 2 * parts_.size();
+  current_ = std::move(*estimate);
+  return {};
+}
+
+}  // namespace turnlight::estimator

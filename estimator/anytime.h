@@ -1,0 +1,39 @@
+// The estimate while the capture goes on: from the first keyframe there is one, with its error
+// bars, and it improves with each that comes. The final answer is not taken from here: it is solved
+// again from a canonical start (EstimateScene), so that it does not depend on the order of events.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "estimator/estimate.h"
+
+namespace turnlight::estimator {
+
+class AnytimeEstimator {
+ public:
+  // Both must outlive the estimator.
+  AnytimeEstimator(const Geometry& geometry, const calib::RayGrid& rays)
+      : geometry_(geometry), rays_(rays) {}
+
+  // Takes a keyframe in; traces it, does not solve.
+  void Add(const Keyframe& keyframe);
+  // Solves with all keyframes so far: from the last estimate, or, whenever their number has doubled
+  // since the last time (and while there is no estimate), looking for the lights anew.
+  // Deterministic in the order of calls. Fails with kNoEstimate while nothing usable was seen; the
+  // last estimate stays.
+  Status Step();
+  // The best so far; empty before the first success.
+  const std::optional<Estimate>& Current() const { return current_; }
+  std::size_t keyframes() const { return parts_.size(); }
+
+ private:
+  const Geometry& geometry_;
+  const calib::RayGrid& rays_;
+  std::vector<Observations> parts_;  // one per keyframe
+  std::vector<cv::Mat> signatures_;
+  std::optional<Estimate> current_;
+  std::size_t next_cold_ = 1;
+};
+
+}  // namespace turnlight::estimator
