@@ -158,6 +158,10 @@ void FillSigmas(const Uncertainty& sigma, double specular_limit, Estimate& out) 
 }
 
 void AddNotes(Estimate& out) {
+  out.notes.push_back(
+      {"sigma-statistical",
+       "Sigmas are statistical: they take residuals as independent and the model as "
+       "right. On clean pictures the model's own errors are larger."});
   if (out.distinct_views < out.views)
     out.notes.push_back(
         {"views-add-nothing",

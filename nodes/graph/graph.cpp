@@ -40,12 +40,12 @@ Result<std::shared_ptr<LogWriter>> AttachLog(GraphParts& parts, const std::files
   auto writer = LogWriter::Create(path, header);
   if (!writer) return Forward(writer);
   const std::shared_ptr<LogWriter> log = std::move(*writer);
-  for (std::size_t i = 0; i < parts.recorded.size(); ++i) {
-    const MessageType& type = parts.recorded[i]->type;
-    AddTap(*parts.recorded[i],
-           [log, &type, topic = static_cast<std::uint16_t>(i)](const AnyMessage& message) {
-             log->Append(topic, type, message);
-           });
+  std::uint16_t topic = 0;
+  for (OutputPort* port : parts.recorded) {
+    const MessageType& type = port->type;
+    AddTap(*port,
+           [log, &type, topic](const AnyMessage& message) { log->Append(topic, type, message); });
+    ++topic;
   }
   return log;
 }
