@@ -38,6 +38,7 @@ class Runtime {
   virtual std::string UtcLabel() const = 0;
   virtual void HoldStop(NodeCore& node, int change) = 0;
   virtual void RequestStop(StopMode mode) = 0;
+  virtual bool StoppingNow() const = 0;
 };
 
 using TapFunction = std::function<void(const AnyMessage&)>;

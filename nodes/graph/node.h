@@ -143,6 +143,9 @@ class Node {
   void RequestStop() {
     if (core_.runtime) core_.runtime->RequestStop(StopMode::kDrain);
   }
+  // True once a stop now was asked for: a handler that takes long looks at it and returns early.
+  // What it publishes then is discarded, so the answer cannot reach any other node.
+  bool stopping_now() const { return core_.runtime && core_.runtime->StoppingNow(); }
   // Between these two a stop in order waits, and timers still run: for work of several handlers
   // that must not be cut in half, such as one keyframe. Not to be begun after WindDown.
   void HoldStop() {

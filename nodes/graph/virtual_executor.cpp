@@ -28,6 +28,7 @@ class VirtualExecutor final : public Runtime {
   std::string UtcLabel() const override;
   void HoldStop(NodeCore& node, int change) override;
   void RequestStop(StopMode mode) override { Graph::RaiseStop(parts_, mode); }
+  bool StoppingNow() const override { return parts_.stop_level.load() == 2; }
 
  private:
   enum class Phase { kRunning, kWindingDown, kDraining };

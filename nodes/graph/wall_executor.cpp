@@ -33,6 +33,7 @@ class WallExecutor final : public Runtime {
   std::string UtcLabel() const override;
   void HoldStop(NodeCore& node, int change) override;
   void RequestStop(StopMode mode) override;
+  bool StoppingNow() const override { return level() == 2; }
 
  private:
   enum class Phase { kRunning, kWindingDown, kDraining, kStopping };
@@ -240,7 +241,8 @@ void WallExecutor::TellWatcher() {
 }
 
 void WallExecutor::Publish(OutputPort& port, std::shared_ptr<const void> value, Time valid_at) {
-  if (!workers_[port.node.index]->publishing.load(std::memory_order_relaxed)) return;
+  if (StoppingNow() || !workers_[port.node.index]->publishing.load(std::memory_order_relaxed))
+    return;
   AnyMessage message{{0, valid_at, Time(0)}, std::move(value)};
   // Only the port "fault" has a second publisher, the watching thread; it never blocks.
   std::unique_lock lock(port.mutex, std::defer_lock);

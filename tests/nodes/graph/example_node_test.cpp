@@ -140,7 +140,11 @@ TEST(ExampleNode, TheGuideQuotesThisFile) {
     std::size_t end = source->find(mark, begin);
     ASSERT_NE(end, std::string::npos) << name;
     end = source->rfind('\n', end);
-    const std::string block = source->substr(begin, end - begin);
+    std::string block = source->substr(begin, end - begin);
+    if (name == "config") {  // without the lines that make it a C++ text
+      block = block.substr(block.find('\n') + 1);
+      block = block.substr(0, block.rfind('\n') + 1);
+    }
     EXPECT_NE(guide->find(block), std::string::npos)
         << "docs/nodes.md does not quote the block [" << name << "]:\n"
         << block;

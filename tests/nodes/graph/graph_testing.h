@@ -50,7 +50,7 @@ class Counter : public Node {
     if (period_ms_ > 0) {
       tick_.Every(FromMs(period_ms_));
     } else {
-      while (sent_ < count_) Send();
+      while (sent_ < count_ && !stopping_now()) Send();
     }
     return {};
   }
