@@ -47,6 +47,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -81,6 +82,11 @@ enum class FaultKind {
 };
 
 enum class FaultDevice { kTable, kCamera };
+
+// What a device's call returns when it cannot do its part.
+inline tl::unexpected<Error> DeviceError(std::string text) {
+  return tl::unexpected<Error>(Error{ErrorKind::kDevice, std::move(text)});
+}
 
 // The words of the YAML.
 std::string FaultWord(FaultKind kind);

@@ -80,12 +80,12 @@ class MockCamera : public Camera {
 
   // Noise-free, the scene at rest at that true angle; coverage is the target's share of a pixel.
   estimator::Rendering StaticRender(double angle_deg) const;
-  // How far a frame is from the static render at that angle, in standard deviations of its noise
-  // and of the rounding to whole DN, over the pixels that do not clip. Mind the number of values:
-  // of a million normal ones the largest is beyond 4.8 sigma in half the cases.
+  // How far a frame is from the static render at that angle, value by value, in standard deviations
+  // of its noise and of the rounding to whole DN. Mind the number of values: the largest of a
+  // million normal ones is usually about 4.9.
   struct Deviation {
     double max_sigmas = 0.0;
-    double rms_sigmas = 0.0;
+    double rms_sigmas = 0.0;  // over the target's pixels; about 1 for a frame of that angle
     double share_beyond_5 = 0.0;
   };
   Deviation DeviationFromStatic(const RawFrame& frame, double angle_deg) const;
@@ -96,8 +96,22 @@ class MockCamera : public Camera {
 
  private:
   struct Shot;
+  struct Render {
+    double angle_deg = 0.0;
+    bool lit = true;
+    cv::Mat3f radiance;
+  };
+
   MockCamera(MockCameraConfig config, Studio studio, std::shared_ptr<MockTurntable> table,
              std::shared_ptr<FaultScript> faults);
+  std::optional<FaultEntry> Strike(FaultKind kind, DeviceTime now);
+  Status CheckLink(DeviceTime now);
+  Shot NextShot(DeviceTime begin);
+  void StrikeShot(Shot& shot, DeviceTime now);
+  void Enqueue(Shot shot);
+  RawFrame Develop(const Shot& shot);
+  cv::Mat3f Expose(const Shot& shot);
+  cv::Mat3f CachedRender(double angle_deg, bool lit);
 
   const MockCameraConfig config_;
   Studio studio_;
@@ -108,9 +122,11 @@ class MockCamera : public Camera {
   bool in_control_ = false;
   DeviceTime unplugged_until_{};
   std::uint64_t triggers_ = 0;
-  std::uint64_t next_id_ = 1;
+  std::uint64_t next_id_;
   DeviceTime shutter_closed_{};
-  std::vector<Shot> queue_;
+  std::vector<Shot> queue_;  // in the order of delivery
+  std::optional<RawFrame> last_delivered_;
+  std::vector<Render> renders_;  // the newest last
 };
 
 }  // namespace turnlight::rig

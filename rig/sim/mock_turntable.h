@@ -52,19 +52,19 @@ enum class TableFeedback {
 
 struct MockTurntableConfig {
   std::string serial = "MOCK-TABLE-1";
-  double max_speed_deg_s = 30.0;       // above 0
-  double acceleration_deg_s2 = 120.0;  // above 0
-  double steps_per_deg = 100.0;        // above 0
-  // True degrees per commanded degree, not 0. Other than 1: a table set up with wrong steps per
-  // revolution; -1: with a wrong direction.
+  double max_speed_deg_s = 30.0;       // 0.001..1e4
+  double acceleration_deg_s2 = 120.0;  // 0.001..1e6
+  double steps_per_deg = 100.0;        // above 0, at most 1e6
+  // True degrees per commanded degree, -10..10 but not 0. Other than 1: a table set up with wrong
+  // steps per revolution; -1: with a wrong direction.
   double scale = 1.0;
   double backlash_deg = 0.05;          // 0..10
   double settle_amplitude_deg = 0.02;  // 0..10; of the swing after arrival
-  double settle_frequency_hz = 12.0;   // above 0
+  double settle_frequency_hz = 12.0;   // above 0, at most 1e4
   double settle_ms = 250.0;            // 0..60000; the swing is over, exactly
   TableFeedback feedback = TableFeedback::kEncoder;
   double home_switch_deg = 0.0;    // -360..360; where the switch is, and the count after homing
-  double home_speed_deg_s = 60.0;  // above 0
+  double home_speed_deg_s = 60.0;  // 0.001..1e4
   double power_on_deg = 217.3;     // -360..360; where it stands when switched on
 };
 
@@ -94,18 +94,28 @@ class MockTurntable : public Turntable {
   double TrueAngleDeg(DeviceTime time) const;
   // The angle of the last MoveTo before or at that time; 0 if there was none.
   double CommandedAngleDeg(DeviceTime time) const;
-  // The table starts to move by itself at that time, and the controller knows. No effect unless it
-  // stands homed and idle then.
-  void Creep(double by_deg, DeviceTime at);
+  // The table moves by itself for so long, and the controller counts it. No effect unless it stands
+  // homed and idle when that begins.
+  void Creep(double by_deg, DeviceTime begin, DeviceTime duration);
   const MockTurntableConfig& config() const { return config_; }
 
  private:
   struct Segment;
 
+  Status CheckLink(DeviceTime now);
+  const Segment& SegmentAt(DeviceTime time) const;
+  Segment BeginSegment(DeviceTime begin) const;
+  void SetLeg(Segment& segment, std::int64_t to_steps, const TrapezoidalProfile& profile) const;
+  void StrikeMove(Segment& segment, DeviceTime now);
+  void Finish(Segment& segment) const;
+  void Append(Segment segment);
+  void StopMotor(DeviceTime now, TableMotion outcome, const std::string& fault);
+  double TrueOfSteps(std::int64_t steps) const;
+
   const MockTurntableConfig config_;
   const std::shared_ptr<FaultScript> faults_;
   mutable std::mutex mutex_;
-  std::vector<Segment> segments_;
+  std::vector<Segment> segments_;  // never empty, in order of time, none overlaps the next
   bool open_ = false;
   DeviceTime unplugged_until_{};
 };
