@@ -36,21 +36,24 @@ struct MergedFrame {
   calib::Exposure exposure;  // to be stored with the frame: one: its own; more: the reference
 };
 
-// radiometry: of the raw DN; linear, and its reference_exposure_us must be set for a bracket (the
-// plan's first exposure; reference_gain_db defaults to 0). Samples are weighted by the inverse of
-// their variance at the merged value (not at the sample, which would favour samples that noise made
-// dark); clipped ones do not count, nor their 8 neighbours as long as another exposure does. A
-// channel clipped in all exposures gets the radiance at which the shortest clips, which is
-// MergedRadiometry's saturation, so that readers see it as saturated; one cut off below in all gets
-// the value of the longest. Channels are merged apart; the white balance is not applied.
-// Fails (kInput): no image, sizes or types that differ, an encoding that is not linear, a missing
-// or not positive exposure.
+// radiometry: of the raw DN; linear, with its reference_exposure_us for a bracket. Each channel of
+// each pixel by itself: samples are weighted by the inverse of their variance at the merged value
+// (not at the sample, which would favour those that noise made dark); what is clipped does not
+// count, nor a clipped pixel's 8 neighbours as long as another exposure tells of them. A channel
+// that is clipped in all exposures gets twice the radiance at which the shortest clips, so that
+// readers see it as saturated; one that is cut off below in all, the value of the longest. The
+// white balance is not applied.
+// Fails (kInput): no image, sizes or types that differ, an encoding that is not linear, an exposure
+// or a reference that is missing or not above 0.
 Result<MergedFrame> MergeExposures(const std::vector<ExposedImage>& bracket,
                                    const calib::Radiometry& radiometry, const SensorNoise& noise);
 
-// The radiometry of a session's frames. One exposure: as given, with the references set to the
-// exposure and gain. More: linear, black 0, white 1, saturation where the shortest exposure clips.
-// exposures_us: the plan's, the first is the reference; gain_db: the plan's.
+// The radiometry of raw frames, with references where it has none: the plan's first exposure and
+// its gain. MergeExposures takes this one.
+calib::Radiometry RawRadiometry(const calib::Radiometry& raw,
+                                const std::vector<double>& exposures_us, double gain_db);
+// The radiometry of a session's frames. One exposure: RawRadiometry. A bracket: linear, black 0,
+// white 1, saturation where the shortest exposure clips.
 calib::Radiometry SessionRadiometry(const calib::Radiometry& raw,
                                     const std::vector<double>& exposures_us, double gain_db);
 

@@ -42,11 +42,14 @@ FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
 
 // How far apart two pictures of the same view are; the closure check compares start and end.
 struct FrameDifference {
-  double rms = 0.0;        // of levels, over the pixels that are saturated in neither
+  double rms = 0.0;  // of levels, over the lit pixels: a level above 0.01 in one, none saturated
   double noise_rms = 0.0;  // what the pictures' own noise explains of it
-  double Sigmas() const { return noise_rms > 0.0 ? rms / noise_rms : (rms > 0.0 ? 1e9 : 0.0); }
+  std::size_t pixels = 0;
+  double Sigmas() const { return noise_rms > 0.0 ? rms / noise_rms : 0.0; }
 };
-// Same size and type. Noise is measured in the pictures, from second differences along rows.
+// Same size and type, not empty. The noise is measured in the pictures: from second differences
+// along rows of their difference, in which the scene cancels; at least that of rounding to whole
+// DN.
 FrameDifference CompareFrames(const cv::Mat& first, const cv::Mat& second,
                               const calib::Radiometry& radiometry);
 

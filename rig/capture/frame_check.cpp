@@ -1,0 +1,151 @@
+#include "rig/capture/frame_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace turnlight::rig {
+namespace {
+
+constexpr double kBrightShare = 0.01;      // of pixels
+constexpr double kLitLevel = 0.01;         // of white
+constexpr double kMadToSigma = 1.4826;     // of a normal distribution
+constexpr double kSecondDifference = 6.0;  // variance of a - 2b + c over that of each
+constexpr double kRoundingVariance = 1.0 / 12.0;
+
+// Levels of all channels, as float; NaN stays.
+cv::Mat1f ToLevels(const cv::Mat& image, const calib::Radiometry& radiometry) {
+  const double scale = 1.0 / (radiometry.white - radiometry.black);
+  cv::Mat levels;
+  image.reshape(1).convertTo(levels, CV_32F, scale, -radiometry.black * scale);
+  return levels;
+}
+
+float SaturationLevel(const calib::Radiometry& radiometry) {
+  return static_cast<float>((radiometry.SaturationDn() - radiometry.black) /
+                            (radiometry.white - radiometry.black));
+}
+
+std::string Percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g %%", 100.0 * share);
+  return text;
+}
+
+std::string Ratio(double ratio) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g", ratio);
+  return text;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+FrameStatistics MeasureFrame(const cv::Mat& image, const calib::Radiometry& radiometry) {
+  const int channels = image.channels();
+  const cv::Mat1f levels = ToLevels(image, radiometry);
+  const float saturation = SaturationLevel(radiometry);
+  std::vector<float> brightest;
+  brightest.reserve(image.total());
+  double sum = 0.0;
+  std::size_t saturated = 0;
+  for (int row = 0; row < levels.rows; ++row) {
+    const float* in = levels[row];
+    for (int x = 0; x < image.cols; ++x) {
+      float most = -1e30f;
+      bool clipped = false;
+      for (int c = 0; c < channels; ++c) {
+        const float level = in[x * channels + c];
+        const bool over = !(level < saturation) || !std::isfinite(level);
+        clipped |= over;
+        sum += over ? saturation : level;
+        most = std::max(most, over ? saturation : level);
+      }
+      saturated += clipped ? 1 : 0;
+      brightest.push_back(most);
+    }
+  }
+  const auto count = static_cast<double>(brightest.size());
+  const auto rank = brightest.begin() + static_cast<std::ptrdiff_t>((1.0 - kBrightShare) * count);
+  std::nth_element(brightest.begin(), rank, brightest.end());
+  return {sum / (count * channels), *rank, static_cast<double>(saturated) / count};
+}
+
+FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
+                      const FrameGate& gate, const std::vector<double>& previous) {
+  FrameCheck check;
+  check.statistics = MeasureFrame(image, radiometry);
+  const auto refuse = [&check](FrameVerdict verdict, std::string text) {
+    check.verdict = verdict;
+    check.text = std::move(text);
+    return check;
+  };
+  const FrameStatistics& found = check.statistics;
+  if (found.bright_level < gate.min_bright_level)
+    return refuse(FrameVerdict::kAllBlack,
+                  "all black: 99 % of the pixels are below " + Percent(found.bright_level) +
+                      " of white, allowed is at least " + Percent(gate.min_bright_level) +
+                      "; is the light on, the lens cap off, the exposure long enough?");
+  if (found.saturated_share > gate.max_saturated_share)
+    return refuse(FrameVerdict::kSaturated,
+                  "saturated: " + Percent(found.saturated_share) + " of the pixels, allowed are " +
+                      Percent(gate.max_saturated_share) + "; shorten the exposure");
+  if (previous.empty() || previous.size() < gate.min_history) return check;
+  const double usual = Median(previous);
+  if (!(usual > 0.0)) return check;
+  const double ratio = found.mean_level / usual;
+  const std::string measured = "the mean level is " + Ratio(ratio) + " of the median of the " +
+                               std::to_string(previous.size()) + " frames before, allowed is ";
+  if (ratio < gate.min_level_ratio)
+    return refuse(FrameVerdict::kLampOff,
+                  "lamp off? " + measured + Ratio(gate.min_level_ratio) + " or more");
+  if (ratio > gate.max_level_ratio)
+    return refuse(FrameVerdict::kLampBright,
+                  "light changed? " + measured + Ratio(gate.max_level_ratio) + " or less");
+  return check;
+}
+
+FrameDifference CompareFrames(const cv::Mat& first, const cv::Mat& second,
+                              const calib::Radiometry& radiometry) {
+  const cv::Mat1f a = ToLevels(first, radiometry);
+  const cv::Mat1f b = ToLevels(second, radiometry);
+  const float saturation = SaturationLevel(radiometry);
+  const int channels = first.channels();
+  const auto counts = [&](int row, int i) {
+    return a(row, i) < saturation && b(row, i) < saturation &&
+           std::max(a(row, i), b(row, i)) > kLitLevel;
+  };
+  const auto difference = [&](int row, int i) {
+    return static_cast<double>(a(row, i)) - static_cast<double>(b(row, i));
+  };
+  FrameDifference result;
+  double squares = 0.0;
+  std::vector<double> bends;  // second differences, in which what changes slowly cancels
+  for (int row = 0; row < a.rows; ++row)
+    for (int i = 0; i < a.cols; ++i) {
+      if (!counts(row, i)) continue;
+      ++result.pixels;
+      squares += difference(row, i) * difference(row, i);
+      const int before = i - channels;
+      const int after = i + channels;
+      if (before >= 0 && after < a.cols && counts(row, before) && counts(row, after))
+        bends.push_back(
+            std::abs(difference(row, before) - 2.0 * difference(row, i) + difference(row, after)));
+    }
+  if (result.pixels == 0) return result;
+  result.rms = std::sqrt(squares / static_cast<double>(result.pixels));
+  const double scale = 1.0 / (radiometry.white - radiometry.black);
+  const double rounding =
+      first.depth() == CV_32F ? 0.0 : std::sqrt(2.0 * kRoundingVariance) * scale;
+  const double measured =
+      bends.empty() ? 0.0 : kMadToSigma * Median(std::move(bends)) / std::sqrt(kSecondDifference);
+  result.noise_rms = std::max({measured, rounding, 1e-9});
+  return result;
+}
+
+}  // namespace turnlight::rig

@@ -1,0 +1,96 @@
+// Proves: pictures that are black, saturated, or far from their predecessors' brightness are told
+// by value, with what was measured and what is allowed; the closure comparison sees a shift of one
+// pixel and not the noise. Does not prove: that the thresholds suit every scene; they are settings.
+#include "rig/capture/frame_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/random.h"
+
+namespace turnlight::rig {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+calib::Radiometry Raw() {
+  calib::Radiometry radiometry;
+  radiometry.black = 200.0;
+  radiometry.white = 10200.0;
+  return radiometry;
+}
+
+cv::Mat Grey(double level, int type = CV_16U) {
+  return cv::Mat(20, 20, type, cv::Scalar::all(200.0 + 10000.0 * level));
+}
+
+TEST(FrameCheck, StatisticsInClosedForm) {
+  cv::Mat image = Grey(0.1, CV_16UC3);
+  for (int x = 0; x < 10; ++x) image.at<cv::Vec3w>(3, x) = {10200, 200, 200};
+  const auto found = MeasureFrame(image, Raw());
+  EXPECT_DOUBLE_EQ(found.saturated_share, 10.0 / 400.0);
+  EXPECT_NEAR(found.mean_level, (390 * 0.1 + 10.0 / 3.0) / 400.0, 1e-6);
+  EXPECT_NEAR(found.bright_level, 1.0, 1e-6);
+  image.at<cv::Vec3w>(3, 0) = image.at<cv::Vec3w>(0, 0);
+  for (int x = 4; x < 10; ++x) image.at<cv::Vec3w>(3, x) = image.at<cv::Vec3w>(0, 0);
+  EXPECT_NEAR(MeasureFrame(image, Raw()).bright_level, 0.1, 1e-6);  // 3 of 400 are below 1 %
+}
+
+TEST(FrameCheck, NotANumberCountsAsSaturated) {
+  cv::Mat image = Grey(0.1, CV_32F);
+  image.at<float>(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  image.at<float>(0, 1) = std::numeric_limits<float>::infinity();
+  image.at<float>(0, 2) = -std::numeric_limits<float>::infinity();
+  const auto found = MeasureFrame(image, Raw());
+  EXPECT_DOUBLE_EQ(found.saturated_share, 3.0 / 400.0);
+  EXPECT_TRUE(std::isfinite(found.mean_level));
+}
+
+TEST(FrameCheck, Verdicts) {
+  const FrameGate gate;
+  const std::vector<double> before{0.1, 0.11, 0.09};
+  EXPECT_EQ(CheckFrame(Grey(0.1), Raw(), gate, before).verdict, FrameVerdict::kGood);
+  EXPECT_EQ(CheckFrame(Grey(0.1), Raw(), gate, before).text, "");
+  const auto black = CheckFrame(Grey(0.004), Raw(), gate, {});
+  EXPECT_EQ(black.verdict, FrameVerdict::kAllBlack);
+  EXPECT_THAT(black.text, AllOf(HasSubstr("0.4 % of white"), HasSubstr("at least 0.5 %")));
+  const auto saturated = CheckFrame(Grey(1.0), Raw(), gate, before);
+  EXPECT_EQ(saturated.verdict, FrameVerdict::kSaturated);
+  EXPECT_THAT(saturated.text, AllOf(HasSubstr("100 %"), HasSubstr("allowed are 25 %")));
+  const auto off = CheckFrame(Grey(0.04), Raw(), gate, before);
+  EXPECT_EQ(off.verdict, FrameVerdict::kLampOff);
+  EXPECT_THAT(off.text, AllOf(HasSubstr("0.4 of the median of the 3"), HasSubstr("0.5 or more")));
+  EXPECT_EQ(CheckFrame(Grey(0.3), Raw(), gate, before).verdict, FrameVerdict::kLampBright);
+  // Without enough predecessors nothing is said about the lamp.
+  EXPECT_EQ(CheckFrame(Grey(0.04), Raw(), gate, {0.1, 0.1}).verdict, FrameVerdict::kGood);
+}
+
+cv::Mat Scene(std::uint64_t seed, int shift) {
+  cv::Mat1w image(64, 64);
+  const RandomStream random(seed, 0);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double r = std::hypot(x - 32 - shift, y - 32);
+      const double level = r < 25 ? 0.3 + 0.2 * std::cos(0.4 * r) : 0.0;
+      image(y, x) = cv::saturate_cast<std::uint16_t>(
+          200.0 + 10000.0 * level + 20.0 * random.Normal(static_cast<std::uint64_t>(64 * y + x)));
+    }
+  return image;
+}
+
+TEST(FrameCheck, ClosureSeesAShiftButNotNoise) {
+  const auto same = CompareFrames(Scene(1, 0), Scene(2, 0), Raw());
+  EXPECT_NEAR(same.noise_rms, 20.0 * std::sqrt(2.0) / 10000.0, 2e-4);
+  EXPECT_NEAR(same.Sigmas(), 1.0, 0.1);
+  EXPECT_NEAR(static_cast<double>(same.pixels), 3.14 * 25 * 25, 60);
+  EXPECT_GT(CompareFrames(Scene(1, 0), Scene(2, 1), Raw()).Sigmas(), 4.0);
+  EXPECT_EQ(CompareFrames(Scene(1, 0), Scene(1, 0), Raw()).Sigmas(), 0.0);
+  EXPECT_EQ(CompareFrames(Grey(0), Grey(0), Raw()).pixels, 0u);
+}
+
+}  // namespace
+}  // namespace turnlight::rig
