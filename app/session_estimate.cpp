@@ -1,0 +1,132 @@
+#include "app/session_estimate.h"
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "app/command.h"
+#include "app/interrupt.h"
+#include "app/pictures_out.h"
+#include "app/progress.h"
+#include "app/result_json.h"
+#include "app/summary.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "estimator/estimate.h"
+#include "rig/session/session.h"
+#include "rig/sim/scene_file.h"
+
+namespace turnlight::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Frames floor(i F / N).
+Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
+                                              const std::optional<int>& views) {
+  const std::size_t all = session.frames.size();
+  const std::size_t count = views ? static_cast<std::size_t>(*views) : all;
+  if (count > all)
+    return InputError("--views: " + std::to_string(count) + ", allowed are at most the session's " +
+                      std::to_string(all) + " frames");
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(i * all / count);
+  return chosen;
+}
+
+// The first refusal in the order of the frames, whatever thread found it.
+Result<std::vector<estimator::Keyframe>> LoadKeyframes(const rig::Session& session,
+                                                       const std::vector<std::size_t>& chosen) {
+  std::vector<estimator::Keyframe> keyframes(chosen.size());
+  std::vector<Status> statuses(chosen.size());
+  Progress progress("reading", chosen.size());
+  ParallelFor(chosen.size(), [&](std::size_t i) {
+    const rig::FrameRecord& frame = session.frames[chosen[i]];
+    const auto images = rig::ReadFrameImages(session, chosen[i]);
+    if (!images) {
+      statuses[i] = Forward(images);
+      return;
+    }
+    keyframes[i] = {calib::Linearise(images->image, session.radiometry, frame.exposure),
+                    images->mask, frame.X_WC, frame.X_WT};
+    progress.Step();
+  });
+  for (const Status& status : statuses)
+    if (!status) return Forward(status);
+  return keyframes;
+}
+
+Result<estimator::EstimateOptions> MakeOptions(const SessionEstimateOptions& given) {
+  estimator::EstimateOptions options;
+  if (given.initial.empty()) return options;
+  auto guess = rig::ReadInitialGuess(given.initial);
+  if (!guess) return Forward(guess);
+  options.initial = std::move(*guess);
+  return options;
+}
+
+struct Computed {
+  rig::Session session;
+  std::vector<estimator::Keyframe> keyframes;
+  estimator::Geometry geometry;
+  estimator::EstimateOutput output;
+  double load_s = 0.0;
+};
+
+Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstimateOptions& options,
+                         Clock::time_point start) {
+  const InterruptAtOnce nothing_written;
+  auto session = rig::ReadSession(folder);
+  if (!session) return Forward(session);
+  const auto estimator_options = MakeOptions(options);
+  if (!estimator_options) return Forward(estimator_options);
+  const auto chosen = ChooseFrames(*session, options.views);
+  if (!chosen) return Forward(chosen);
+  auto shape = rig::ReadTarget(*session);
+  if (!shape) return Forward(shape);
+  auto keyframes = LoadKeyframes(*session, *chosen);
+  if (!keyframes) return Forward(keyframes);
+  estimator::Geometry geometry(std::move(*shape));
+  const calib::RayGrid rays(*session->camera);
+  const double load_s = SecondsSince(start);
+  auto output = estimator::EstimateScene(*keyframes, geometry, rays, *estimator_options);
+  if (!output) return Forward(output);
+  return Computed{std::move(*session), std::move(*keyframes), std::move(geometry),
+                  std::move(*output), load_s};
+}
+
+}  // namespace
+
+Result<SessionEstimate> EstimateSession(const std::filesystem::path& session,
+                                        const std::filesystem::path& out,
+                                        const SessionEstimateOptions& options) {
+  const Clock::time_point start = Clock::now();
+  if (const Status status = CheckOutputFolder(out, session); !status) return Forward(status);
+  const auto computed = Compute(session, options, start);
+  if (!computed) return Forward(computed);
+  const estimator::Estimate& estimate = computed->output.estimate;
+  if (const Status status = MakeDirectory(out); !status) return Forward(status);
+  std::size_t pictures = 0;
+  if (options.pictures) {
+    const auto written = WritePictures(computed->keyframes, computed->geometry,
+                                       *computed->session.camera, computed->output, out);
+    if (!written) return Forward(written);
+    pictures = *written;
+  }
+  const RunTimes times{computed->load_s, SecondsSince(start)};
+  SessionEstimate done;
+  done.json = ResultToJson(estimate, computed->session.name, options.method, times).dump(1) + "\n";
+  if (const Status status = WriteFileAtomic(out / "result.json", done.json); !status)
+    return Forward(status);
+  done.summary = Summary(estimate, computed->session.name, computed->session.length_unit) + "\n" +
+                 (out / "result.json").string() +
+                 (pictures > 0 ? " and " + std::to_string(pictures) + " pictures beside it" : "") +
+                 " written\n";
+  return done;
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,30 @@
+// The estimate of a session, from its folder to the folder of the result: what `estimate` does, and
+// what ends `run`, `resume` and `replay`, so that all give the same bits.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+
+namespace turnlight::app {
+
+struct SessionEstimateOptions {
+  std::optional<int> views;  // frames floor(i F / N)
+  std::string initial;       // a truth.json or result.json; empty: none
+  std::string method = "lm";
+  bool pictures = true;
+};
+
+struct SessionEstimate {
+  std::string json;     // result.json, as written
+  std::string summary;  // for a person, ended with what was written
+};
+
+// Creates out. Fails with kNoEstimate if the session gives none, in words that say what to do.
+Result<SessionEstimate> EstimateSession(const std::filesystem::path& session,
+                                        const std::filesystem::path& out,
+                                        const SessionEstimateOptions& options);
+
+}  // namespace turnlight::app
