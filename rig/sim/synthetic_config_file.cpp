@@ -16,6 +16,8 @@ using nlohmann::ordered_json;
 
 constexpr std::uint64_t kMaxFileBytes = 16 << 20;
 
+using rig::ReadField;  // beside those below, which would hide it
+
 void ReadField(StrictObject& object, const char* key, Interval& value) {
   if (const auto pair = object.OptionalNumbers(key, 2)) value = {(*pair)[0], (*pair)[1]};
 }
