@@ -439,7 +439,9 @@ TEST(MockCamera, ControlLostTakesTriggersAndGivesNothingUntilOpened) {
   bench.Move(40.0);
   EXPECT_TRUE(bench.Frames().empty());
   EXPECT_TRUE(bench.Frames().empty());
-  EXPECT_THAT(bench.camera->Set({8000.0, 0.0}, bench.now).error().text, HasSubstr("control lost"));
+  const auto set = bench.camera->Set({8000.0, 0.0}, bench.now);
+  ASSERT_FALSE(set);
+  EXPECT_THAT(set.error().text, HasSubstr("control lost"));
   ASSERT_TRUE(bench.camera->Open(bench.now));
   EXPECT_EQ(bench.Shoot().actual.exposure_us, 8000.0);  // the settings are lost
 }

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <thread>
@@ -169,6 +170,25 @@ TEST(MockTurntable, PlatterLagsByTheBacklashAfterAReversal) {
   EXPECT_EQ(bench.True(), 10.5);
   bench.Move(12.0);
   EXPECT_EQ(bench.True(), 12.0);
+}
+
+TEST(MockTurntable, HomingTakesUpTheBacklash) {
+  MockTurntableConfig config = Rigid();
+  config.backlash_deg = 5.0;
+  Bench bench(config);
+  bench.Start();
+  bench.Move(20.0);
+  bench.Move(10.0);
+  EXPECT_EQ(bench.True(), 15.0);
+  const DeviceTime begin = bench.now;
+  bench.Home();
+  EXPECT_EQ(bench.True(), 0.0);
+  // First the motor alone, 1.25 degrees in 0.1 s; the platter has not moved, but for whole turns.
+  EXPECT_EQ(std::remainder(bench.table.TrueAngleDeg(begin + milliseconds(100)) - 15.0, 360.0), 0.0);
+  EXPECT_NEAR(1e-9 * static_cast<double>((bench.arrived - begin).count()),
+              TrapezoidalProfile(350.0, 60.0, 120.0).Duration(), 2e-3);
+  bench.Move(10.0);
+  EXPECT_EQ(bench.True(), 10.0);
 }
 
 TEST(MockTurntable, SwingsOnArrivalAndThenStandsExactly) {
@@ -414,13 +434,19 @@ TEST(MockTurntable, TruthCanBeAskedWhileAnotherThreadMovesIt) {
   Bench bench;
   bench.Start();
   const DeviceTime begin = bench.now;
-  double sum = 0.0;
+  std::atomic<bool> done = false;
+  int outside = 0;
   std::thread reader([&] {
-    for (int i = 0; i < 20000; ++i) sum += bench.table.TrueAngleDeg(begin + milliseconds(i));
+    for (int i = 0; !done; ++i) {
+      const double angle_deg = bench.table.TrueAngleDeg(begin + milliseconds(i % 20000));
+      outside += !(angle_deg > -0.1 && angle_deg < 190.1);
+    }
   });
   for (int i = 1; i < 20; ++i) bench.Move(10.0 * i);
+  done = true;
   reader.join();
-  EXPECT_GT(sum, 0.0);
+  EXPECT_EQ(outside, 0);
+  EXPECT_EQ(bench.True(), 190.0);
 }
 
 Result<MockTurntableConfig> Parse(const std::string& yaml) {
