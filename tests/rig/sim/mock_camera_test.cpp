@@ -12,7 +12,6 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "base/strict_object.h"
 
 namespace turnlight::rig {
 namespace {
@@ -460,57 +459,6 @@ TEST(MockCamera, UnpluggedFailsUntilOpenedAgain) {
   EXPECT_FALSE(bench.camera->Poll(bench.now));
   EXPECT_EQ(bench.camera->Open(bench.now)->serial, "MOCK-CAMERA-1");
   EXPECT_TRUE(bench.IsAt(bench.Shoot(), 40.0));
-}
-
-TEST(MockCameraConfig, ReadsEveryKey) {
-  const auto document = ParseYaml(R"(
-serial: C7
-scene: {seed: 9, camera: {size: [32, 24]}}
-reference_exposure_us: 5000
-trigger_latency_ms: 1
-readout_ms: 2
-blur_threshold_deg: 0.1
-blur_samples: 4
-first_frame_id: 77
-reports_trigger: true
-)",
-                                  "c.yaml");
-  const auto config = ReadMockCameraConfig(StrictObject(*document));
-  ASSERT_TRUE(config) << config.error().text;
-  EXPECT_EQ(config->serial, "C7");
-  EXPECT_EQ(config->scene.seed, 9u);
-  EXPECT_EQ(config->scene.camera.width, 32);
-  EXPECT_EQ(config->reference_exposure_us, 5000.0);
-  EXPECT_EQ(config->trigger_latency_ms, 1.0);
-  EXPECT_EQ(config->readout_ms, 2.0);
-  EXPECT_EQ(config->blur_threshold_deg, 0.1);
-  EXPECT_EQ(config->blur_samples, 4);
-  EXPECT_EQ(config->first_frame_id, 77);
-  EXPECT_TRUE(config->reports_trigger);
-}
-
-TEST(MockCameraConfig, RefusesByFileLineKeyAndRange) {
-  const auto refusal = [](const std::string& yaml) {
-    const auto document = ParseYaml(yaml, "c.yaml");
-    const auto config = ReadMockCameraConfig(StrictObject(*document));
-    return config ? "accepted" : config.error().text;
-  };
-  EXPECT_EQ(refusal("{}"), "accepted");
-  EXPECT_EQ(refusal("readout_ms: 5\nblur_samples: 1"),
-            "c.yaml:2: blur_samples: 1, allowed is a number from 2 to 64");
-  EXPECT_THAT(refusal("scene: {motion: {distance: 1}}"), HasSubstr("scene/motion/distance: 1"));
-  EXPECT_THAT(refusal("scene: {masks: true}"), HasSubstr("scene/masks: true"));
-  EXPECT_THAT(refusal("scene: {sensor: {clip_share: 0}}"), HasSubstr("scene/sensor/clip_share"));
-  EXPECT_THAT(refusal("scene: {colour: red}"), HasSubstr("scene/colour: unknown key"));
-  EXPECT_THAT(refusal("first_frame_id: 0"), HasSubstr("from 1 to 65535"));
-  EXPECT_THAT(refusal("reference_exposure_us: 0"), HasSubstr("reference_exposure_us: 0"));
-  EXPECT_THAT(refusal("fps: 30"), HasSubstr("unknown key"));
-  MockCameraConfig config;
-  config.blur_samples = 0;
-  const auto camera =
-      MockCamera::Create(config, std::make_shared<MockTurntable>(MockTurntableConfig{}));
-  ASSERT_FALSE(camera);
-  EXPECT_THAT(camera.error().text, HasSubstr("blur_samples: 0"));
 }
 
 }  // namespace
