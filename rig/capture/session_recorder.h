@@ -23,7 +23,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/file.h"
@@ -33,6 +32,7 @@
 #include "calib/pose.h"
 #include "calib/radiometry.h"
 #include "rig/capture/capture_plan.h"
+#include "rig/capture/provenance.h"
 #include "rig/device.h"
 #include "rig/session/journal.h"
 #include "rig/session/session.h"
@@ -54,23 +54,6 @@ struct CaptureSetup {
   DeviceIdentity camera_identity, table_identity;
 };
 
-// Who records now, for the provenance.
-struct RunProvenance {
-  std::string program_version, program_commit;
-  std::string utc;                                         // when the run began, a label
-  CameraSettings camera_settings;                          // as read back
-  std::vector<std::pair<std::string, std::string>> notes;  // further device settings, as key, value
-};
-
-// How a keyframe came to be, for the provenance: never hashed, never compared.
-struct KeyframeProvenance {
-  std::string utc;                              // a label
-  DeviceTime exposure_begin{}, exposure_end{};  // first and last, since the run's start
-  int attempts = 1;
-  std::vector<std::string> rejected;  // why, one text per attempt that failed
-  std::vector<std::pair<std::string, std::int64_t>> counters;  // of the devices: frame ids, drops
-};
-
 // One keyframe, as it goes into the session.
 struct RecordedKeyframe {
   std::size_t index = 0;  // of PlannedFrames
@@ -88,9 +71,9 @@ struct ResumeReport {
   std::vector<std::string> dropped;  // torn or damaged: one line each, with the angle if known
 };
 
-// One writer, one thread. After a failed Add or Finish every further call fails with the same
-// error: what is on disk after a failed fsync nobody knows. The good frames are kept; destroy the
-// recorder and Resume, in this process or another.
+// One writer, one thread. After a write that failed every further call fails with the same error:
+// what is on disk after a failed fsync nobody knows. The good frames are kept; destroy the recorder
+// and Resume, in this process or another.
 class SessionRecorder {
  public:
   // Takes the lock, checks the space for the whole plan, makes the folder and its first files.
@@ -115,9 +98,10 @@ class SessionRecorder {
   const std::filesystem::path& root() const { return root_; }
 
   // The frame is safe on disk when this returns success. Fails (kInput): an index that is not
-  // missing, a picture of another size or kind than the setup's, a pose that is none: nothing was
-  // written. Fails (kSystem): space, disk; the text says what, where, how much is free, how many
-  // frames are safe.
+  // missing, a picture of another size or kind than the setup's, a validity map without a pixel, a
+  // pose that is none: nothing was written, Add may go on. Fails (kSystem): too little space:
+  // nothing was written, Add may go on; the disk: the text says what, where, how much is free, how
+  // many frames are safe, and every further call fails.
   Status Add(const RecordedKeyframe& keyframe);
 
   // Writes session.json and gives the lock back. Fails (kIncomplete) if frames are missing, naming
@@ -126,12 +110,14 @@ class SessionRecorder {
 
  private:
   SessionRecorder(std::filesystem::path root, CaptureSetup setup, FileOps& ops);
-  Status CheckSetup() const;
-  Status Begin(const RunProvenance& run);
+  static Result<SessionRecorder> Open(const std::filesystem::path& root, const CaptureSetup& setup,
+                                      const RunProvenance& run, FileOps& ops, bool resume);
+  Status CheckFresh() const;
   Status Recover();
-  Status OpenLogs(const RunProvenance& run);
-  Status CheckSpace(std::uint64_t bytes, const std::string& what);
-  Status Write(const RecordedKeyframe& keyframe, JournalEntry entry);
+  Status Begin(const std::vector<std::pair<std::string, std::string>>& copies,
+               const RunProvenance& run, bool resume);
+  Status CheckSpace(std::uint64_t bytes, const std::string& what) const;
+  Status CheckSpaceForMissing() const;
   Status WriteSessionFiles();
   Status Break(const Status& status);
 

@@ -19,6 +19,8 @@
 
 namespace turnlight::rig {
 
+inline constexpr char kSessionFile[] = "session.json";
+
 struct MeshFile {
   std::string path;  // relative; PLY or OBJ, in T and the session's length unit
 };

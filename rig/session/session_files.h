@@ -11,8 +11,6 @@
 
 namespace turnlight::rig {
 
-inline constexpr char kSessionFile[] = "session.json";
-
 // A path of the session, and where it is named.
 struct NamedPath {
   std::string key;  // "frames/3/image"

@@ -37,19 +37,26 @@ Result<std::string> ContentLines(const Session& session) {
   return lines;
 }
 
-// The closure frame belongs to the capture, not to the session.
-void AddClosureRemarks(const fs::path& root, VerifyReport& report) {
+// What only the journal of a finished capture knows: the checksums of the validity maps, and the
+// closure frame, which belongs to the capture and not to the session.
+void CheckAgainstJournal(const fs::path& root, std::vector<std::vector<std::string>>& problems,
+                         std::vector<std::string>& remarks) {
   std::error_code code;
   if (!fs::exists(root / kJournalFile, code)) return;
   const auto journal = ReadJournal(root);
   if (!journal) {
-    report.remarks.push_back(journal.error().text);
+    remarks.push_back(journal.error().text);
     return;
   }
-  for (const JournalEntry& entry : journal->entries)
-    if (entry.index == journal->header.angles_deg.size())
-      for (const std::string& problem : EntryProblems(root, entry))
-        report.remarks.push_back(EntryLabel(journal->header, entry.index) + ": " + problem);
+  for (const JournalEntry& entry : journal->entries) {
+    if (entry.index < problems.size() && !problems[entry.index].empty()) continue;
+    for (const std::string& problem : EntryProblems(root, entry)) {
+      if (entry.index < problems.size())
+        problems[entry.index].push_back(problem);
+      else
+        remarks.push_back(EntryLabel(journal->header, entry.index) + ": " + problem);
+    }
+  }
 }
 
 // A file of the capture's start, against its checksum in the journal.
@@ -121,6 +128,7 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
 
   std::vector<std::vector<std::string>> problems(session.frames.size());
   ParallelFor(problems.size(), [&](std::size_t i) { problems[i] = FrameProblems(session, i); });
+  CheckAgainstJournal(root, problems, report.remarks);
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const bool good = problems[i].empty();
     if (good) ++report.frames;
@@ -136,7 +144,6 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
     report.remarks.push_back(std::to_string(without_checksum) + " of " +
                              std::to_string(session.frames.size()) +
                              " frames have no sha256: a change of their pictures goes unseen");
-  AddClosureRemarks(root, report);
   if (!report.problems.empty()) return report;
   const auto lines = ContentLines(session);
   if (!lines) return Forward(lines);

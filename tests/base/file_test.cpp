@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <utility>
 #include <vector>
 
 namespace turnlight {
@@ -93,6 +95,55 @@ TEST_F(File, MakeDirectory) {
   ASSERT_TRUE(WriteFileAtomic(folder_ / "x", ""));
   EXPECT_FALSE(MakeDirectory(folder_ / "x"));
   EXPECT_FALSE(MakeDirectory(folder_ / "x" / "y"));
+}
+
+TEST_F(File, AppendsToWhatIsThere) {
+  {
+    auto file = AppendFile::Open(folder_ / "log");
+    ASSERT_TRUE(file) << file.error().text;
+    ASSERT_TRUE(file->Append("one\n"));
+    AppendFile moved = std::move(*file);
+    ASSERT_TRUE(moved.Append("two\n"));
+  }
+  auto again = AppendFile::Open(folder_ / "log");
+  ASSERT_TRUE(again);
+  ASSERT_TRUE(again->Append("three\n"));
+  EXPECT_EQ(ReadFile(folder_ / "log").value(), "one\ntwo\nthree\n");
+  EXPECT_FALSE(AppendFile::Open(folder_ / "none" / "log"));
+}
+
+// The second fsync of a file whose first one failed would succeed, and say nothing about the data.
+class FailingSync : public FileOps {
+ public:
+  int Sync(int fd) override {
+    if (++syncs != fail_at) return FileOps::Sync(fd);
+    errno = EIO;
+    return -1;
+  }
+  int fail_at = 0;
+  int syncs = 0;
+};
+
+TEST_F(File, FailedSyncIsFinal) {
+  FailingSync ops;
+  auto file = AppendFile::Open(folder_ / "log", ops);
+  ASSERT_TRUE(file);
+  ops.fail_at = ops.syncs + 1;
+  EXPECT_THAT(file->Append("one\n").error().text, HasSubstr("fsync failed: Input/output error"));
+  EXPECT_THAT(file->Append("two\n").error().text, HasSubstr("not written to after an error"));
+  EXPECT_EQ(ops.syncs, ops.fail_at);
+  ops.fail_at = ops.syncs + 1;
+  EXPECT_THAT(WriteFileAtomic(folder_ / "x", "bytes", ops).error().text, HasSubstr("fsync failed"));
+  EXPECT_EQ(ops.syncs, ops.fail_at);
+  EXPECT_THAT(Names(), ElementsAre("log"));
+}
+
+TEST_F(File, TemporariesAreKnownByTheirNames) {
+  for (const char* name : {".x.a1B2c3", ".a.png.XXXXXX", ".session.json.000000"})
+    EXPECT_TRUE(IsTemporaryName(name)) << name;
+  for (const char* name :
+       {"x.a1B2c3", ".x", ".abcdef", ".x.a1B2c", ".x.a1B2c-", "", ".", "..", ".x.a1B2c34"})
+    EXPECT_FALSE(IsTemporaryName(name)) << name;
 }
 
 }  // namespace
