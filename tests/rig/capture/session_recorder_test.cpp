@@ -46,7 +46,7 @@ class SessionRecorderTest : public CaptureFixture {
 };
 
 TEST_F(SessionRecorderTest, FinishedCaptureIsASession) {
-  const Status status = Capture(root());
+  const Status status = Capture(root(), SystemFileOps());
   ASSERT_TRUE(status) << status.error().text;
   std::vector<std::string> names;
   for (const auto& [name, bytes] : Contents(root())) names.push_back(name);
@@ -123,6 +123,18 @@ TEST_F(SessionRecorderTest, ProvenanceTellsWhoWhatAndWhen) {
   EXPECT_EQ(lines[3]["kind"], "run");
   EXPECT_EQ(lines[3]["frames_kept"], 2);
   EXPECT_EQ(lines[5]["angle_deg"], 360.0);
+}
+
+TEST_F(SessionRecorderTest, TornProvenanceCostsOneLine) {
+  { StartWith(1); }
+  std::ofstream(root() / kProvenanceFile, std::ios::app) << "{\"kind\":\"keyfr";
+  ASSERT_TRUE(Capture(root()));
+  std::istringstream in(Get(kProvenanceFile));
+  std::size_t good = 0;
+  std::size_t torn = 0;
+  for (std::string line; std::getline(in, line);) ++(nlohmann::json::accept(line) ? good : torn);
+  EXPECT_EQ(good, 6u);  // run, 0, run, 1, 2, closure
+  EXPECT_EQ(torn, 1u);
 }
 
 TEST_F(SessionRecorderTest, OrderAndRetakesLeaveNoTrace) {
