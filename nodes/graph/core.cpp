@@ -1,5 +1,6 @@
 #include "nodes/graph/core.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace turnlight::graph {

@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <deque>
+#include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>

@@ -20,7 +20,9 @@
 // graph in order; what can go on is told with ReportFault. docs/nodes.md has a whole example.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <type_traits>

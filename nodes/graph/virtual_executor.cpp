@@ -8,6 +8,7 @@
 // and a replay exact.
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "nodes/graph/executor.h"
 
