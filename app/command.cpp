@@ -11,7 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeviceFault = 4;
 constexpr int kNoEstimate = 5;
 
 int ExitCode(ErrorKind kind) {

@@ -15,11 +15,18 @@ namespace turnlight::app {
 inline constexpr int kDone = 0;
 inline constexpr int kRefused = 2;     // usage, config or input
 inline constexpr int kIncomplete = 3;  // some frames lost, the rest kept
+inline constexpr int kDeviceFault = 4;
 inline constexpr int kInterrupted = 130;
 
 // Gives the exit code.
 using Action = std::function<int()>;
 
+void AddRun(CLI::App& program, Action& action);
+void AddPlan(CLI::App& program, Action& action);
+void AddCapture(CLI::App& program, Action& action);
+void AddResume(CLI::App& program, Action& action);
+void AddReplay(CLI::App& program, Action& action);
+void AddGraph(CLI::App& program, Action& action);
 void AddEstimate(CLI::App& program, Action& action);
 void AddRender(CLI::App& program, Action& action);
 void AddSynthesize(CLI::App& program, Action& action);

@@ -2,14 +2,42 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/run_config.h"
+#include "base/file.h"
+#include "nodes/graph/graph.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::app {
 namespace {
 
+// A config of a run has a graph; one of a generated session has none.
+Result<bool> IsRunConfig(const std::string& file) {
+  const auto text = ReadFile(file);
+  if (!text) return Forward(text);
+  const auto document = ParseYaml(*text, file);
+  if (!document) return Forward(document);
+  return document->root.is_object() && document->root.contains("graph");
+}
+
+Status CheckRun(const std::string& file) {
+  const auto config = ReadRunConfig(file);
+  if (!config) return Forward(config);
+  const auto rig = MakeRig(*config);
+  if (!rig) return Forward(rig);
+  auto graph = graph::Graph::Build(
+      config->graph,
+      MakeRegistry(*rig, MakeKeyframesJob(*config, *rig, {}), nullptr, [](const std::string&) {}));
+  return graph ? graph->Configure() : Forward(graph);
+}
+
 int Check(const std::string& file) {
-  const auto config = rig::ReadSyntheticConfig(file);
-  if (!config) return Fail(config.error());
+  const auto is_run = IsRunConfig(file);
+  if (!is_run) return Fail(is_run.error());
+  if (*is_run) {
+    if (const Status status = CheckRun(file); !status) return Fail(status.error());
+  } else if (const auto config = rig::ReadSyntheticConfig(file); !config) {
+    return Fail(config.error());
+  }
   std::cout << file << ": good" << std::endl;
   return kDone;
 }
@@ -26,7 +54,7 @@ void AddPart(CLI::App& parent, Action& action, const std::string& name,
   CLI::App* command = AddCommand(parent, name, description,
                                  "turnlight config " + name + " configs/synthetic_sphere.yaml");
   auto file = std::make_shared<std::string>();
-  command->add_option("CONFIG", *file, "A YAML file for turnlight synthesize")->required();
+  command->add_option("CONFIG", *file, "A YAML file for turnlight synthesize or run")->required();
   command->callback([file, run, &action] { action = [file, run] { return run(*file); }; });
 }
 

@@ -20,6 +20,12 @@ void Configure(CLI::App& program, Action& action) {
   program.footer(
       "Example:\n  turnlight estimate my_session --out result\n\n"
       "turnlight COMMAND --help explains a command.");
+  AddRun(program, action);
+  AddPlan(program, action);
+  AddCapture(program, action);
+  AddResume(program, action);
+  AddReplay(program, action);
+  AddGraph(program, action);
   AddEstimate(program, action);
   AddRender(program, action);
   AddSynthesize(program, action);

@@ -17,8 +17,18 @@ std::atomic<int> at_once{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may touch them");
 
-void HandleInterrupt(int) {
+std::atomic<graph::Graph*> stopped_graph{nullptr};
+std::atomic<int> presses{0};  // while there is a graph to stop
+static_assert(std::atomic<graph::Graph*>::is_always_lock_free, "a signal handler may touch it");
+
+void HandleInterrupt(int signal) {
   const bool second = interrupted.exchange(true);
+  if (graph::Graph* graph = stopped_graph.load()) {
+    const int press = presses.fetch_add(1) + 1;
+    const bool now = press > 1 || signal == SIGTERM;
+    graph->RequestStop(now ? graph::StopMode::kNow : graph::StopMode::kDrain);
+    if (press < 3) return;
+  }
   if (second || at_once.load() > 0) {
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
     ::_exit(kInterrupted);
@@ -38,5 +48,18 @@ bool Interrupted() { return interrupted.load(); }
 
 InterruptAtOnce::InterruptAtOnce() { ++at_once; }
 InterruptAtOnce::~InterruptAtOnce() { --at_once; }
+
+InterruptStopsGraph::InterruptStopsGraph(graph::Graph& graph) {
+  presses = 0;
+  stopped_graph = &graph;
+  struct sigaction action {};
+  action.sa_handler = HandleInterrupt;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+InterruptStopsGraph::~InterruptStopsGraph() {
+  stopped_graph = nullptr;
+  std::signal(SIGTERM, SIG_DFL);
+}
 
 }  // namespace turnlight::app

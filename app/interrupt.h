@@ -2,6 +2,8 @@
 // exit code 130; where nothing is being written it ends at once. The second one ends it at once.
 #pragma once
 
+#include "nodes/graph/graph.h"
+
 namespace turnlight::app {
 
 void InstallInterruptHandler();
@@ -16,6 +18,16 @@ class InterruptAtOnce {
   ~InterruptAtOnce();
   InterruptAtOnce(const InterruptAtOnce&) = delete;
   InterruptAtOnce& operator=(const InterruptAtOnce&) = delete;
+};
+
+// While one lives, Ctrl-C stops the graph: the first in order, the second now; SIGTERM now. The
+// third ends the program at once. One at a time; the graph must outlive it.
+class InterruptStopsGraph {
+ public:
+  explicit InterruptStopsGraph(graph::Graph& graph);
+  ~InterruptStopsGraph();
+  InterruptStopsGraph(const InterruptStopsGraph&) = delete;
+  InterruptStopsGraph& operator=(const InterruptStopsGraph&) = delete;
 };
 
 }  // namespace turnlight::app

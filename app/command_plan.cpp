@@ -1,0 +1,93 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "app/command.h"
+#include "app/run_config.h"
+#include "nodes/graph/draw.h"
+#include "nodes/graph/graph.h"
+
+namespace turnlight::app {
+namespace {
+
+template <typename... T>
+std::string Format(const char* format, T... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+std::string Angles(const rig::CapturePlan& plan) {
+  std::string text;
+  for (const rig::PlannedFrame& frame : rig::PlannedFrames(plan))
+    text += (text.empty() ? "" : " ") + Format("%.6g", frame.angle_deg) +
+            (frame.closure ? " (closure)" : "");
+  return text;
+}
+
+std::string PlanText(const RunConfig& config, const Rig& rig) {
+  const rig::CapturePlan& plan = config.plan;
+  const rig::PlanEstimate estimate =
+      rig::EstimatePlan(plan, {config.table.max_speed_deg_s, config.table.acceleration_deg_s2},
+                        rig.format, config.camera.readout_ms * 1e-3);
+  std::string limits = "none given";
+  if (plan.limits)
+    limits = Format("%.6g to %.6g\u00b0", plan.limits->min_deg, plan.limits->max_deg);
+  return config.name + "\n" + "  angles    " + Angles(plan) + "\n" +
+         Format("  frames    %zu, %zu exposures\n", estimate.frames, estimate.exposures) +
+         Format("  travel    %.6g\u00b0, from %.6g to %.6g\u00b0; limits: ", estimate.travel_deg,
+                estimate.range.min_deg, estimate.range.max_deg) +
+         limits + "\n" + Format("  duration  %.3g s without repetitions\n", estimate.seconds) +
+         Format("  disk      at most %.3g MB, %.3g MB a frame\n",
+                static_cast<double>(estimate.bytes) * 1e-6,
+                static_cast<double>(estimate.bytes_per_frame) * 1e-6);
+}
+
+int Plan(const std::string& file) {
+  const auto config = ReadRunConfig(file);
+  if (!config) return Fail(config.error());
+  const auto rig = MakeRig(*config);
+  if (!rig) return Fail(rig.error());
+  std::cout << PlanText(*config, *rig) << std::flush;
+  return kDone;
+}
+
+int Draw(const std::string& file, bool dot) {
+  const auto config = ReadRunConfig(file);
+  if (!config) return Fail(config.error());
+  const auto rig = MakeRig(*config);
+  if (!rig) return Fail(rig.error());
+  auto graph = graph::Graph::Build(
+      config->graph,
+      MakeRegistry(*rig, MakeKeyframesJob(*config, *rig, {}), nullptr, [](const std::string&) {}));
+  if (!graph) return Fail(graph.error());
+  if (const Status status = graph->Configure(); !status) return Fail(status.error());
+  std::cout << (dot ? graph::DrawDot(graph->parts()) : graph::DrawText(graph->parts()))
+            << std::flush;
+  return kDone;
+}
+
+}  // namespace
+
+void AddPlan(CLI::App& program, Action& action) {
+  CLI::App* command = AddCommand(
+      program, "plan", "Show what a run would do: angles, duration, space. Changes nothing",
+      "turnlight plan configs/simulated_turntable.yaml");
+  auto file = std::make_shared<std::string>();
+  command->add_option("CONFIG", *file, "A YAML file for turnlight run")->required();
+  command->callback([file, &action] { action = [file] { return Plan(*file); }; });
+}
+
+void AddGraph(CLI::App& program, Action& action) {
+  CLI::App* command =
+      AddCommand(program, "graph", "Check the graph of a config and draw it",
+                 "turnlight graph configs/simulated_turntable.yaml --dot | dot -Tsvg -o graph.svg");
+  auto file = std::make_shared<std::string>();
+  auto dot = std::make_shared<bool>(false);
+  command->add_option("CONFIG", *file, "A YAML file for turnlight run")->required();
+  command->add_flag("--dot", *dot, "For Graphviz, instead of for a terminal");
+  command->callback([file, dot, &action] { action = [file, dot] { return Draw(*file, *dot); }; });
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,80 @@
+#include <memory>
+#include <string>
+
+#include "app/capture_run.h"
+#include "app/command.h"
+
+namespace turnlight::app {
+namespace {
+
+struct RunArguments {
+  std::string config, out;
+};
+
+void AddCapturing(CLI::App& program, Action& action, const std::string& name,
+                  const std::string& description, CaptureGoal goal) {
+  CLI::App* command =
+      AddCommand(program, name, description,
+                 "turnlight " + name + " configs/simulated_turntable.yaml --out my_run");
+  auto arguments = std::make_shared<RunArguments>();
+  command->add_option("CONFIG", arguments->config, "A YAML file with capture, rig and graph")
+      ->required();
+  command->add_option("--out", arguments->out, "Folder for session, log and result")
+      ->required()
+      ->type_name("DIR");
+  command->callback([arguments, goal, &action] {
+    action = [arguments, goal] {
+      return RunCapture(arguments->config, arguments->out, CaptureStart::kNew, goal);
+    };
+  });
+}
+
+}  // namespace
+
+void AddRun(CLI::App& program, Action& action) {
+  AddCapturing(program, action, "run",
+               "Turn, photograph and estimate: the whole capture, with the estimate improving "
+               "behind it. Ctrl-C once finishes the keyframe, twice stops the motor now",
+               CaptureGoal::kEstimate);
+}
+
+void AddCapture(CLI::App& program, Action& action) {
+  AddCapturing(program, action, "capture", "The same as run without any estimate",
+               CaptureGoal::kSession);
+}
+
+void AddResume(CLI::App& program, Action& action) {
+  CLI::App* command =
+      AddCommand(program, "resume",
+                 "Go on with a capture that was interrupted; what is safe on disk is kept, and the "
+                 "session ends with the same bytes as if nothing had happened",
+                 "turnlight resume my_run");
+  auto out = std::make_shared<std::string>();
+  auto no_estimate = std::make_shared<bool>(false);
+  command->add_option("DIR", *out, "The folder of the run")->required();
+  command->add_flag("--no-estimate", *no_estimate, "Finish the session only");
+  command->callback([out, no_estimate, &action] {
+    action = [out, no_estimate] {
+      return RunCapture({}, *out, CaptureStart::kResume,
+                        *no_estimate ? CaptureGoal::kSession : CaptureGoal::kEstimate);
+    };
+  });
+}
+
+void AddReplay(CLI::App& program, Action& action) {
+  CLI::App* command = AddCommand(
+      program, "replay",
+      "Run the graph again from a log, without devices; gives the same session and result. The "
+      "config is read from config.yaml beside the log",
+      "turnlight replay my_run/log --out again");
+  auto arguments = std::make_shared<RunArguments>();
+  command->add_option("LOG", arguments->config, "The log of a run")->required();
+  command->add_option("--out", arguments->out, "Folder for session, log and result")
+      ->required()
+      ->type_name("DIR");
+  command->callback([arguments, &action] {
+    action = [arguments] { return ReplayCapture(arguments->config, arguments->out); };
+  });
+}
+
+}  // namespace turnlight::app

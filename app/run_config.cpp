@@ -1,0 +1,186 @@
+#include "app/run_config.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "base/file.h"
+#include "nodes/camera_node.h"
+#include "nodes/estimator_node.h"
+#include "nodes/logger_node.h"
+#include "nodes/recorder_node.h"
+#include "nodes/turntable_node.h"
+#include "rig/sim/blob.h"
+
+namespace turnlight::app {
+namespace {
+
+Status ReadRig(StrictObject rig, RunConfig& config) {
+  rig.Choice("driver", {"mock"});
+  auto table = rig.OptionalObject("table");
+  auto camera = rig.OptionalObject("camera");
+  auto faults = rig.OptionalObject("faults");
+  if (Status status = rig.Finish(); !status) return status;
+  if (table) {
+    auto read = rig::ReadMockTurntableConfig(*table);
+    if (!read) return Forward(read);
+    config.table = *read;
+  }
+  if (camera) {
+    auto read = rig::ReadMockCameraConfig(*camera);
+    if (!read) return Forward(read);
+    config.camera = *read;
+  }
+  if (!faults) return {};
+  const rig::CapturePlan& plan = config.plan;
+  const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
+  auto read = rig::ReadFaultScript(
+      *faults, {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)});
+  if (!read) return Forward(read);
+  config.faults = std::move(*read);
+  return {};
+}
+
+rig::PictureFormat FormatOf(const rig::SyntheticConfig& scene) {
+  rig::PictureFormat format;
+  format.size = {scene.camera.width, scene.camera.height};
+  format.channels = 3;
+  format.depth = scene.sensor.depth == rig::SensorDepth::k8    ? CV_8U
+                 : scene.sensor.depth == rig::SensorDepth::k16 ? CV_16U
+                                                               : CV_32F;
+  return format;
+}
+
+// The simulated sensor's noise in the merge's terms.
+rig::SensorNoise NoiseOf(const rig::MockCamera& camera) {
+  const rig::Sensor& sensor = camera.config().scene.sensor;
+  const calib::Radiometry& radiometry = camera.studio().radiometry;
+  const double span = radiometry.white - radiometry.black;
+  rig::SensorNoise noise;
+  noise.read_noise_dn = sensor.noise_relative * span;
+  noise.dn_per_electron = sensor.noise_shot * sensor.noise_shot * span;
+  return noise;
+}
+
+Result<rig::Target> TargetOf(const calib::TargetShape& shape, const std::filesystem::path& folder) {
+  if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return rig::Target(*sphere);
+  if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return rig::Target(*plane);
+  const std::filesystem::path path = folder / "target.ply";
+  const auto& mesh = std::get<calib::MeshShape>(shape);
+  if (const Status status = WriteFileAtomic(path, rig::MeshToPly(mesh)); !status)
+    return Forward(status);
+  return rig::Target(rig::MeshFile{path.string()});
+}
+
+}  // namespace
+
+Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file) {
+  auto parsed = ParseYaml(text, file);
+  if (!parsed) return Forward(parsed);
+  const auto document = std::make_shared<const Document>(std::move(*parsed));
+  RunConfig config;
+  config.file = file;
+  config.text = text;
+  StrictObject root(*document);
+  config.name = root.OptionalString("name").value_or(std::filesystem::path(file).stem().string());
+  const auto capture = root.OptionalObject("capture");
+  const StrictObject rig = root.Object("rig");
+  auto graph = graph::ReadGraphConfig(document, root);
+  if (const Status status = root.Finish(); !status) return Forward(status);
+  if (!graph) return Forward(graph);
+  config.graph = std::move(*graph);
+  if (capture) {
+    auto plan = rig::ParseCapturePlan(*capture);
+    if (!plan) return Forward(plan);
+    config.plan = std::move(*plan);
+  }
+  if (const Status status = ReadRig(rig, config); !status) return Forward(status);
+  return config;
+}
+
+Result<RunConfig> ReadRunConfig(const std::filesystem::path& path) {
+  const auto text = ReadFile(path, std::uint64_t{16} << 20);
+  if (!text) return Forward(text);
+  return ParseRunConfig(*text, path.string());
+}
+
+Result<Rig> MakeRig(const RunConfig& config) {
+  Rig rig;
+  rig.faults = std::make_shared<rig::FaultScript>(config.faults);
+  rig.table = std::make_shared<rig::MockTurntable>(config.table, rig.faults);
+  auto camera = rig::MockCamera::Create(config.camera, rig.table, rig.faults);
+  if (!camera) return Forward(camera);
+  rig.camera = std::move(*camera);
+  rig.format = FormatOf(config.camera.scene);
+  rig.noise = NoiseOf(*rig.camera);
+  return rig;
+}
+
+Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& rig,
+                                           const std::filesystem::path& folder) {
+  const rig::Studio& studio = rig.camera->studio();
+  auto target = TargetOf(studio.target, folder);
+  if (!target) return Forward(target);
+  const auto camera_identity = rig.camera->Open(rig::DeviceTime(0));
+  if (!camera_identity) return Forward(camera_identity);
+  const auto table_identity = rig.table->Open(rig::DeviceTime(0));
+  if (!table_identity) return Forward(table_identity);
+  return rig::CaptureSetup{config.plan,   config.text,       config.name,    "mm",
+                           studio.camera, studio.radiometry, std::nullopt,   std::move(*target),
+                           rig.format,    *camera_identity,  *table_identity};
+}
+
+nodes::KeyframesJob MakeKeyframesJob(const RunConfig& config, const Rig& rig,
+                                     std::vector<rig::PlannedFrame> frames) {
+  nodes::KeyframesJob job;
+  job.plan = config.plan;
+  job.frames = std::move(frames);
+  job.radiometry = rig.camera->studio().radiometry;
+  return job;
+}
+
+graph::NodeRegistry MakeRegistry(const Rig& rig, const nodes::KeyframesJob& job,
+                                 std::shared_ptr<rig::SessionRecorder> recorder,
+                                 std::function<void(const std::string&)> log_line) {
+  graph::NodeRegistry registry;
+  registry.Add("turntable",
+               [table = rig.table] { return std::make_unique<nodes::TurntableNode>(table); });
+  registry.Add("camera",
+               [camera = rig.camera] { return std::make_unique<nodes::CameraNode>(camera); });
+  registry.Add("keyframes", [job] { return std::make_unique<nodes::KeyframesNode>(job); });
+  registry.Add("calibration", [camera = rig.camera, noise = rig.noise, plan = job.plan] {
+    const rig::Studio& studio = camera->studio();
+    calib::Radiometry raw = studio.radiometry;
+    raw.reference_exposure_us = plan.exposures_us.front();
+    raw.reference_gain_db = plan.gain_db;
+    return std::make_unique<nodes::CalibrationNode>(nodes::RigCalibration{
+        studio.camera, raw,
+        rig::SessionRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db), noise,
+        [camera](double angle_deg) {
+          const rig::Placement placed = camera->PlacementAt(angle_deg);
+          return nodes::CameraAndTarget{placed.X_WC, placed.X_WT};
+        }});
+  });
+  registry.Add("recorder", [recorder] { return std::make_unique<nodes::RecorderNode>(recorder); });
+  registry.Add("estimator", [camera = rig.camera] {
+    return std::make_unique<nodes::EstimatorNode>(camera->studio().target);
+  });
+  registry.Add("logger", [log_line] { return std::make_unique<nodes::LoggerNode>(log_line); });
+  return registry;
+}
+
+void RemoveNodes(graph::GraphConfig& graph, const std::string& type) {
+  std::set<std::string> removed;
+  for (const graph::NodeConfig& node : graph.nodes)
+    if (node.type == type) removed.insert(node.name);
+  const auto of_removed = [&](const std::string& topic) {
+    return removed.count(topic.substr(0, topic.find('.'))) > 0;
+  };
+  std::erase_if(graph.nodes, [&](const auto& node) { return removed.count(node.name) > 0; });
+  std::erase_if(graph.connections, [&](const auto& connection) {
+    return of_removed(connection.from) || of_removed(connection.to);
+  });
+  std::erase_if(graph.record, [&](const auto& record) { return of_removed(record.topic); });
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,72 @@
+// The config of a run: what is captured, with which devices, and the graph that does it.
+//
+//   name: simulated_turntable        # of the session; optional
+//   capture: {...}                   # rig/capture/capture_plan.h
+//   rig:
+//     driver: mock                   # simulated devices, the only driver so far
+//     table: {...}                   # rig/sim/mock_turntable.h
+//     camera: {...}                  # rig/sim/mock_camera.h
+//     faults: {...}                  # rig/sim/fault_script.h; optional: what goes wrong
+//   graph: {...}                     # nodes/graph/config.h
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "nodes/calibration_node.h"
+#include "nodes/graph/config.h"
+#include "nodes/graph/registry.h"
+#include "nodes/keyframes_node.h"
+#include "rig/capture/capture_plan.h"
+#include "rig/capture/session_recorder.h"
+#include "rig/sim/fault_script.h"
+#include "rig/sim/mock_camera.h"
+#include "rig/sim/mock_turntable.h"
+
+namespace turnlight::app {
+
+struct RunConfig {
+  std::string file, text;  // as read
+  std::string name;
+  rig::CapturePlan plan;
+  rig::MockTurntableConfig table;
+  rig::MockCameraConfig camera;
+  std::vector<rig::FaultEntry> faults;
+  graph::GraphConfig graph;
+};
+
+// Fails (kInput) with file, line, key and what is allowed.
+Result<RunConfig> ReadRunConfig(const std::filesystem::path& path);
+Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file);
+
+// The devices of a config, and what the session says of them.
+struct Rig {
+  std::shared_ptr<rig::MockTurntable> table;
+  std::shared_ptr<rig::MockCamera> camera;
+  std::shared_ptr<rig::FaultScript> faults;
+  rig::PictureFormat format;
+  rig::SensorNoise noise;
+};
+Result<Rig> MakeRig(const RunConfig& config);
+
+// What the recorder needs to know; opens the devices to learn who they are. folder: where a target
+// that is a mesh is written to, for the recorder to copy.
+Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& rig,
+                                           const std::filesystem::path& folder);
+
+nodes::KeyframesJob MakeKeyframesJob(const RunConfig& config, const Rig& rig,
+                                     std::vector<rig::PlannedFrame> frames);
+
+// The node types that a config may name. recorder may be null: for drawing.
+graph::NodeRegistry MakeRegistry(const Rig& rig, const nodes::KeyframesJob& job,
+                                 std::shared_ptr<rig::SessionRecorder> recorder,
+                                 std::function<void(const std::string&)> log_line);
+
+// Takes the nodes of a type out, with their connections and records.
+void RemoveNodes(graph::GraphConfig& graph, const std::string& type);
+
+}  // namespace turnlight::app
