@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/angles.h"
+#include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
 namespace turnlight::estimator {
@@ -79,13 +80,13 @@ Scene StartFromGuess(const Observations& sample, const InitialGuess& guess) {
   options.gauge = Gauge::kDiffuse;
   options.max_iterations = 40;
   options.function_tolerance = 1e-6;
-  options.evaluate.samples_per_side = FootprintSamples(sample, start.reflectance.shininess);
   // Strengths first, with the geometry and the lobe's width as given; then everything.
   SolveOptions linear = options;
   linear.max_iterations = 15;
   linear.free_directions = false;
   linear.fixed_distance.assign(start.lights.size(), true);
-  return Solve(sample, Solve(sample, start, linear).scene, options).scene;
+  const Solution first = SolveSettled(sample, start, linear, 1);
+  return SolveSettled(sample, first.scene, options, 1, first.evaluate.shadows).scene;
 }
 
 // Views whose pictures differ by more than noise from every earlier distinct one.
@@ -195,6 +196,7 @@ std::vector<cv::Mat1f> ResidualMaps(const Observations& all, const Scene& scene,
     cv::Mat1f& map = maps.emplace_back(size, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = all.tile_begin[k] * kTile; i < all.tile_begin[k + 1] * kTile; ++i) {
       if (all.pixel[i] == Observations::kNoPixel) continue;
+      if (options.shadows.usable && (*options.shadows.usable)[i] == 0) continue;
       float sum = 0.0f;
       for (int c = 0; c < all.channels; ++c)
         sum += all.radiance[c][i] - model[static_cast<std::size_t>(c)][i];
@@ -205,9 +207,7 @@ std::vector<cv::Mat1f> ResidualMaps(const Observations& all, const Scene& scene,
   return maps;
 }
 
-double RmsOf(const Observations& all, double cost) {
-  return std::sqrt(2.0 * cost / (static_cast<double>(all.used) * all.channels));
-}
+double RmsOf(double values, double cost) { return std::sqrt(2.0 * cost / values); }
 
 void FillEstimate(const Observations& all, const Refined& refined, Estimate& out) {
   const Solution& solution = refined.solution;
@@ -225,12 +225,13 @@ void FillEstimate(const Observations& all, const Refined& refined, Estimate& out
   FillSigmas(sigma, refined.specular_sigma, out);
   EvaluateOptions squares = refined.options.evaluate;
   squares.huber = 0.0;
-  out.rms = RmsOf(all, Evaluate(all, solution.scene, squares).cost);
-  out.pixels = all.used;
+  const double values = ValueCount(all, squares);
+  out.rms = RmsOf(values, Evaluate(all, solution.scene, squares).cost);
+  out.pixels = all.used - squares.shadows.left_out;
   out.iterations = refined.iterations;
   out.stopped = solution.converged ? "converged" : "iteration-limit";
   for (const double cost : refined.cost_history)
-    out.history.push_back({static_cast<int>(out.history.size()), RmsOf(all, cost)});
+    out.history.push_back({static_cast<int>(out.history.size()), RmsOf(values, cost)});
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/angles.h"
-#include "estimator/solver.h"
+#include "estimator/settled_solve.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -31,16 +31,15 @@ std::vector<float> Values(const Observations& all, int channel) {
   return values;
 }
 
-Solution SolveStart(const Observations& sample, const Scene& start, int iterations,
+Solution SolveStart(const Observations& sample, const Candidate& start, int iterations,
                     bool free_geometry) {
   SolveOptions options;
   options.max_iterations = iterations;
   options.function_tolerance = 1e-6;
   options.gauge = Gauge::kDiffuse;
   options.free_directions = free_geometry;
-  if (!free_geometry) options.fixed_distance.assign(start.lights.size(), true);
-  options.evaluate.samples_per_side = FootprintSamples(sample, start.reflectance.shininess);
-  return Solve(sample, start, options);
+  if (!free_geometry) options.fixed_distance.assign(start.scene.lights.size(), true);
+  return SolveSettled(sample, start.scene, options, 1, start.shadows);
 }
 
 // Two lights as one: intensities add, the rest is their weighted mean.
@@ -96,9 +95,9 @@ void AppendHistory(const Observations& sample, const Solution& solution,
 }
 
 Candidate Refit(const Observations& sample, const Candidate& start, int iterations, double noise) {
-  Solution solution = SolveStart(sample, start.scene, iterations, true);
-  Candidate out{std::move(solution.scene), ExcessVariance(solution.equations.cost, sample, noise),
-                start.rms_history};
+  Solution solution = SolveStart(sample, start, iterations, true);
+  Candidate out{std::move(solution.scene), std::move(solution.evaluate.shadows),
+                ExcessVariance(solution.equations.cost, sample, noise), start.rms_history};
   AppendHistory(sample, solution, out.rms_history);
   return out;
 }
@@ -196,9 +195,11 @@ bool NothingLeft(double excess, const Observations& observations, double noise) 
 
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
   Candidate best;
-  const Solution linear = SolveStart(sample, start, 15, false);
+  best.scene = start;
+  const Solution linear = SolveStart(sample, best, 15, false);
   AppendHistory(sample, linear, best.rms_history);
   best.scene = linear.scene;
+  best.shadows = linear.evaluate.shadows;
   best = Refit(sample, best, 40, noise);
   for (int round = 0; round < 6; ++round) {
     Candidate merged = best;

@@ -6,6 +6,7 @@
 #include "estimator/intensity_map.h"
 #include "estimator/observations.h"
 #include "estimator/scene.h"
+#include "estimator/shadows.h"
 
 namespace turnlight::estimator {
 
@@ -30,6 +31,7 @@ Scene StartFromDirections(const Observations& observations,
 // "Starts".
 struct Candidate {
   Scene scene;                      // in the observations' coordinates
+  Shadows shadows;                  // that it was fitted with
   double excess = 0.0;              // residual variance above the noise, with a floor
   std::vector<double> rms_history;  // on the sample: the start, and after each iteration since
 };

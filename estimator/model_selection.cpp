@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
 namespace turnlight::estimator {
@@ -37,43 +38,39 @@ Eigen::Vector3d MeanNormal(const Observations& all) {
 // The fraction of rows whose residual is typical: the median absolute residual as a sigma.
 double RobustSigma(const Observations& all, const Scene& scene, const EvaluateOptions& options) {
   const auto model = Predict(all, scene, options);
+  const Plane& usable = options.shadows.usable;
   std::vector<float> residuals;
   residuals.reserve(all.used * static_cast<std::size_t>(all.channels));
   for (int c = 0; c < all.channels; ++c)
     for (std::size_t i = 0; i < all.size(); ++i)
-      if (all.pixel[i] != Observations::kNoPixel)
+      if (all.pixel[i] != Observations::kNoPixel && (!usable || (*usable)[i] != 0))
         residuals.push_back(std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
   std::nth_element(residuals.begin(), middle, residuals.end());
   return static_cast<double>(*middle) / 0.6745;
 }
 
-double Rms(const Observations& all, double cost) {
-  return std::sqrt(2.0 * cost / (static_cast<double>(all.used) * all.channels));
+double Rms(const Observations& all, const Solution& solution) {
+  return std::sqrt(2.0 * solution.equations.cost / ValueCount(all, solution.evaluate));
 }
 
-// Solves, and again while the lobe found asks for other footprints than the one solved with.
-void SolveWithFootprints(const Observations& observations, Refined& out) {
-  Scene scene = out.solution.scene;
-  out.options.evaluate.samples_per_side =
-      FootprintSamples(observations, scene.reflectance.shininess);
-  for (int round = 0; round < 3; ++round) {
-    out.solution = Solve(observations, scene, out.options);
-    out.iterations += out.solution.iterations;
-    out.cost_history.insert(out.cost_history.end(), out.solution.cost_history.begin(),
-                            out.solution.cost_history.end());
-    scene = out.solution.scene;
-    auto samples = FootprintSamples(observations, scene.reflectance.shininess);
-    if (samples == out.options.evaluate.samples_per_side) break;
-    out.options.evaluate.samples_per_side = std::move(samples);
-  }
+constexpr int kRounds = 3;  // of footprints and shadows
+
+// Solves on from the scene and with the options of `out`.
+void SolveOn(const Observations& observations, Refined& out) {
+  out.solution = SolveSettled(observations, out.solution.scene, out.options, kRounds,
+                              out.solution.evaluate.shadows);
+  out.options.evaluate = out.solution.evaluate;
+  out.iterations += out.solution.iterations;
+  out.cost_history.insert(out.cost_history.end(), out.solution.cost_history.begin(),
+                          out.solution.cost_history.end());
 }
 
 // Where the residual is mere noise, squares are the best there is. Where it is more, what is left
 // is texture, dirt, or what the model lacks, and large residuals say little about the lights.
 void ChooseLoss(const Observations& observations, double noise, Refined& out,
                 std::vector<Rung>& ladder) {
-  const double rms = Rms(observations, out.solution.equations.cost);
+  const double rms = Rms(observations, out.solution);
   const bool robust = rms > kBeyondNoise * noise;
   ladder.push_back(
       {"robust-loss", robust,
@@ -83,7 +80,7 @@ void ChooseLoss(const Observations& observations, double noise, Refined& out,
   if (!robust) return;
   const double sigma = RobustSigma(observations, out.solution.scene, out.options.evaluate);
   out.options.evaluate.huber = std::max(kHuberSigmas * sigma, 1e-6);
-  SolveWithFootprints(observations, out);
+  SolveOn(observations, out);
 }
 
 void ChooseSpecular(const Observations& observations, Refined& out, std::vector<Rung>& ladder) {
@@ -104,7 +101,7 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   out.specular_sigma = own;
   out.solution.scene.reflectance.specular_model = SpecularModel::kNone;
   out.solution.scene.reflectance.specular = 0.0;
-  SolveWithFootprints(observations, out);
+  SolveOn(observations, out);
 }
 
 // Sigma of each light's inverse distance about the reference, in 1/R: from the solver's own
@@ -138,7 +135,7 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
       out.options.fixed_distance[l] = true;
       out.solution.scene.lights[l].inverse_distance = 0.0;
     }
-  SolveWithFootprints(observations, out);
+  SolveOn(observations, out);
 }
 
 }  // namespace
@@ -203,7 +200,7 @@ Refined Refine(const Observations& observations, const Scene& start, double nois
   Refined out;
   out.options.max_iterations = max_iterations;
   out.solution.scene = start;
-  SolveWithFootprints(observations, out);
+  SolveOn(observations, out);
   ChooseLoss(observations, noise, out, ladder);
   ChooseSpecular(observations, out, ladder);
   ChooseDistances(observations, out, ladder);

@@ -122,10 +122,15 @@ struct KernelScene {
   KernelScene& operator=(const KernelScene&) = delete;
 };
 
+// One chunk's arrays. lit: room for a pointer for each light.
 KernelPixels PixelsOf(const Observations& all, const EvaluateOptions& options, std::size_t tile,
-                      std::size_t tiles) {
+                      std::size_t tiles, std::vector<const std::uint8_t*>& lit) {
   KernelPixels pixels{};
   const std::size_t at = tile * kTile;
+  const Shadows& shadows = options.shadows;
+  for (const Plane& plane : shadows.lit) lit.push_back(plane->data() + at);
+  pixels.lit = shadows.lit.empty() ? nullptr : lit.data();
+  pixels.usable = shadows.usable ? shadows.usable->data() + at : nullptr;
   for (int k = 0; k < 3; ++k) {
     pixels.position[k] = all.position[k].data() + at;
     pixels.normal[k] = all.normal[k].data() + at;
@@ -194,8 +199,9 @@ NormalEquations EvaluateWith(const Observations& observations, const Scene& scen
     const std::size_t first = chunk * kTilesPerChunk;
     const std::size_t tiles = std::min(kTilesPerChunk, observations.tiles() - first);
     std::vector<Real> workspace(kernel::WorkspaceSize(n));
-    accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles), workspace.data(),
-               parts[chunk].sums);
+    std::vector<const std::uint8_t*> lit;
+    accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles, lit),
+               workspace.data(), parts[chunk].sums);
   });
   ChunkSums total(n);
   for (const ChunkSums& part : parts) total.Add(part, observations.channels);
@@ -237,10 +243,16 @@ std::vector<std::vector<float>> Predict(const Observations& observations, const 
     std::vector<float> workspace(kernel::WorkspaceSize(kernel_scene.model.Shared()));
     float* channels[3] = {nullptr, nullptr, nullptr};
     for (std::size_t c = 0; c < out.size(); ++c) channels[c] = out[c].data() + first * kTile;
-    kernel::BestKernel().predict(kernel_scene.model, PixelsOf(observations, options, first, tiles),
+    std::vector<const std::uint8_t*> lit;
+    kernel::BestKernel().predict(kernel_scene.model,
+                                 PixelsOf(observations, options, first, tiles, lit),
                                  workspace.data(), channels);
   });
   return out;
+}
+
+double ValueCount(const Observations& observations, const EvaluateOptions& options) {
+  return static_cast<double>(observations.used - options.shadows.left_out) * observations.channels;
 }
 
 double LobeHalfWidth(double shininess) { return std::acos(std::exp2(-1.0 / shininess)); }

@@ -13,6 +13,7 @@
 
 #include "estimator/observations.h"
 #include "estimator/scene.h"
+#include "estimator/shadows.h"
 
 namespace turnlight::estimator {
 
@@ -49,6 +50,8 @@ struct EvaluateOptions {
   // Sub-samples per side of a pixel's footprint for the highlight, one per tile; empty: 1
   // everywhere.
   std::vector<std::uint8_t> samples_per_side;
+  // Which lights the observations see; empty: all of them.
+  Shadows shadows;
   // Scale of Huber's loss on the root-mean-square residual of a pixel, in radiance; 0: squares.
   double huber = 0.0;
 };
@@ -63,6 +66,9 @@ NormalEquations EvaluateDouble(const Observations& observations, const Scene& sc
 // Model radiance of every observation, channel by channel, in the observations' order.
 std::vector<std::vector<float>> Predict(const Observations& observations, const Scene& scene,
                                         const EvaluateOptions& options);
+
+// How many values, pixels times channels, a cost is a sum over.
+double ValueCount(const Observations& observations, const EvaluateOptions& options);
 
 // How finely each tile's footprint must be sampled for a lobe of this shininess: the mirrored ray's
 // change across the pixel against the lobe's half-width (design, section 2).

@@ -1,7 +1,8 @@
 // What the estimator fits: one entry per usable pixel of every keyframe, as a structure of arrays.
 //
 // Coordinates are the solver's: about a reference point in W, lengths divided by the target's
-// radius R, axes those of W. In single precision: 64 bytes a pixel with colour, 56 without.
+// radius R, axes those of W. In single precision: 64 bytes a pixel with colour, 56 without, and 16
+// more where the target can shadow itself.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,8 +39,11 @@ struct Observations {
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();  // in W: centroid of the observed surface
   double radius = 1.0;                                  // R, session's length unit
 
+  // Normal and mirrored direction are means over the pixel's footprint; so the normal is a little
+  // shorter than 1 where the surface bends, and n.l is the mean of Lambert's term. The position is
+  // the centre's: the mean lies below the surface.
   std::array<std::vector<float>, 3> position;  // x: (p_W - reference) / R
-  std::array<std::vector<float>, 3> normal;    // unit, W axes
+  std::array<std::vector<float>, 3> normal;    // W axes
   std::array<std::vector<float>, 3>
       mirrored;  // w: the view direction mirrored about the normal, unit
   std::array<std::vector<BFloat16>, 6>
@@ -47,6 +51,14 @@ struct Observations {
   std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
   std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
+
+  // Only where the target can shadow itself: what it takes to cast shadows on it.
+  const Geometry* caster = nullptr;                  // outlives the observations
+  std::array<std::vector<float>, 3> face_normal;     // geometric normal, unit, W axes
+  std::vector<std::uint32_t> keyframe;               // of each pixel
+  std::vector<calib::Pose> X_TW;                     // per keyframe
+  int width = 0;                                     // of the pictures
+  bool subsampled = false;                           // pixels have lost their neighbours
 
   // Keyframe k's tiles (before subsampling) are [tile_begin[k], tile_begin[k + 1]).
   std::vector<std::size_t> tile_begin{0};

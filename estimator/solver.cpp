@@ -280,6 +280,7 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
   for (const auto& iteration : summary.iterations) solution.cost_history.push_back(iteration.cost);
   solution.free = FreeColumns(blocked, limits);
   solution.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  solution.evaluate = options.evaluate;
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
   return solution;
 }

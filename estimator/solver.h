@@ -36,6 +36,7 @@ struct Solution {
   std::vector<bool> free;            // per column: neither held nor at a bound
   int iterations = 0;
   bool converged = false;
+  EvaluateOptions evaluate;  // what it was solved with
 };
 
 // Solves from a start in the observations' coordinates. The largest albedo, and what options.gauge

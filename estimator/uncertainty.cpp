@@ -91,7 +91,7 @@ Covariance Invert(const Solution& solution, const Observations& observations,
   if (n == 0) return out;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
-  const double values = static_cast<double>(observations.used) * observations.channels;
+  const double values = ValueCount(observations, solution.evaluate);
   const double variance =
       2.0 * solution.equations.cost / std::max(values - static_cast<double>(n), 1.0);
   double smallest = largest;

@@ -77,6 +77,14 @@ TURNLIGHT_INLINE typename Lanes<Real>::V LoadBFloat16(const std::uint16_t* from)
   return v;
 }
 
+template <typename Real>
+TURNLIGHT_INLINE typename Lanes<Real>::V LoadBytes(const std::uint8_t* from) {
+  typedef std::uint8_t B __attribute__((vector_size(kLanes)));
+  B bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  return __builtin_convertvector(bytes, typename Lanes<Real>::V);
+}
+
 // log(1 - c) for c in [0, 1). With t = fl(1 - c): log t * (-c) / (t - 1) undoes the rounding of t.
 // log t from t = m 2^k, m in [sqrt 1/2, sqrt 2), log m = 2 atanh((m - 1) / (m + 1)).
 TURNLIGHT_INLINE Lanes<float>::V LogOneMinus(Lanes<float>::V c) {

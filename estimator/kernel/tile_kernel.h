@@ -55,7 +55,9 @@ struct KernelPixels {
   const std::uint16_t* footprint[6];
   const float* radiance[3];
   const std::uint32_t* pixel;
-  const std::uint8_t* samples;  // per tile, or null for 1
+  const std::uint8_t* samples;     // per tile, or null for 1
+  const std::uint8_t* const* lit;  // per light, 1 or 0 for each pixel; or null for 1
+  const std::uint8_t* usable;      // 1 or 0 for each pixel; or null for 1
   std::size_t tiles;
 };
 

@@ -13,7 +13,9 @@ struct Block {
   Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv;
   V viewer_cosine;
   V radiance[3];
-  V valid;  // 1, or 0 for filling
+  V valid;  // 1, or 0 for filling and what is left out
+  const std::uint8_t* const* lit;
+  std::size_t at;
 };
 
 template <typename Real>
@@ -36,6 +38,9 @@ TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPix
   for (int i = 0; i < kLanes; ++i)
     block.valid[i] =
         pixels.pixel[at + static_cast<std::size_t>(i)] == 0xFFFFFFFFu ? Real(0) : Real(1);
+  if (pixels.usable) block.valid *= LoadBytes<Real>(pixels.usable + at);
+  block.lit = pixels.lit;
+  block.at = at;
   if (samples > 1) {
     const auto f = [&](int k) { return LoadBFloat16<Real>(pixels.footprint[k] + at); };
     block.dw_du = {f(0), f(1), f(2)};
@@ -170,7 +175,8 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
     const V inverse = to_light.InverseNorm();
     const Vector3<Real> l = to_light * inverse;
     const V nl = block.normal.Dot(l);
-    const V falloff = nl > zero ? inverse * inverse * block.valid : zero;
+    V falloff = nl > zero ? inverse * inverse * block.valid : zero;
+    if (block.lit) falloff *= LoadBytes<Real>(block.lit[index] + block.at);
     const Term<Real> diffuse = Diffuse(model, block, l, nl);
     Term<Real> specular{zero, zero, {zero, zero, zero}};
     const bool shiny =
