@@ -60,7 +60,7 @@ ordered_json ModelToJson(const Estimate& estimate) {
   return json;
 }
 
-ordered_json LightToJson(const LightEstimate& estimate) {
+ordered_json LightToJson(const LightEstimate& estimate, const estimator::LightSigma& stat) {
   ordered_json json;
   json["direction"] = ToJson(estimate.light.direction);
   json["direction_sigma_deg"] = ToJson(RadToDeg(estimate.direction_sigma));
@@ -75,6 +75,25 @@ ordered_json LightToJson(const LightEstimate& estimate) {
   json["intensity"] = ToJson(estimate.light.intensity);
   json["intensity_sigma"] = ToJson(estimate.intensity_sigma);
   if (estimate.light.color != Eigen::Vector3d::Ones()) json["color"] = ToJson(estimate.light.color);
+  // The statistical part of the sigmas above.
+  json["stat"] = ordered_json{
+      {"direction_sigma_deg", ToJson(RadToDeg(stat.direction))},
+      {"inverse_distance_sigma", ToJson(stat.inverse_distance)},
+      {"distance_sigma", estimate.distance ? ToJson(stat.distance) : ordered_json(nullptr)},
+      {"intensity_sigma",
+       estimate.intensity_sigma ? ToJson(stat.intensity) : ordered_json(nullptr)}};
+  return json;
+}
+
+ordered_json StatToJson(const Estimate& estimate) {
+  const estimator::Uncertainty& stat = estimate.stat;
+  ordered_json json;
+  json["albedo"] = ToJson(stat.albedo);
+  json["ambient"] = ToJson(stat.ambient);
+  json["diffuse"] = ToJson(stat.diffuse);
+  json["specular"] = HasLobe(estimate) ? ToJson(stat.specular) : ordered_json(nullptr);
+  json["shininess"] = HasLobe(estimate) ? ToJson(stat.shininess) : ordered_json(nullptr);
+  if (IsOrenNayar(estimate)) json["roughness_deg"] = ToJson(RadToDeg(stat.roughness));
   return json;
 }
 
@@ -89,6 +108,7 @@ ordered_json SigmaToJson(const Estimate& estimate) {
     const auto roughness = estimate.sigma.roughness;
     json["roughness_deg"] = roughness ? ToJson(RadToDeg(*roughness)) : ordered_json(nullptr);
   }
+  json["stat"] = StatToJson(estimate);
   return json;
 }
 
@@ -120,6 +140,13 @@ ordered_json ProductsToJson(const Estimate& estimate) {
     json["diffuse_sigma"].push_back(ToJson(light.diffuse_product_sigma));
     json["specular"].push_back(ToJson(light.specular_product));
     json["specular_sigma"].push_back(ToJson(light.specular_product_sigma));
+  }
+  ordered_json& stat = json["stat"];
+  for (const char* key : {"diffuse_sigma", "specular_sigma"}) stat[key] = ordered_json::array();
+  stat["ambient_sigma"] = ToJson(estimate.stat.ambient_product);
+  for (const estimator::LightSigma& light : estimate.stat.lights) {
+    stat["diffuse_sigma"].push_back(ToJson(light.diffuse_product));
+    stat["specular_sigma"].push_back(ToJson(light.specular_product));
   }
   return json;
 }
@@ -169,14 +196,18 @@ void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
   std::string list;
   for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
     ordered_json light = json["lights"][i];
+    light.erase("stat");
     if (i == 0) light.erase("intensity_sigma");
     CollectNullSigmas(light, "lights/" + std::to_string(i), list);
   }
   ordered_json reflectance = json["reflectance"]["sigma"];
+  reflectance.erase("stat");
   if (!HasLobe(estimate))
     for (const char* key : {"specular", "shininess"}) reflectance.erase(key);
   CollectNullSigmas(reflectance, "reflectance/sigma", list);
-  CollectNullSigmas(json["products"], "products", list);
+  ordered_json products = json["products"];
+  products.erase("stat");
+  CollectNullSigmas(products, "products", list);
   if (!list.empty())
     json["notes"].push_back(ordered_json{
         {"code", "null-sigma"}, {"text", "The data do not determine the sigma of " + list + "."}});
@@ -210,7 +241,8 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
   json["reference_point"] = ToJson(estimate.reference_point);
   json["model"] = ModelToJson(estimate);
   json["lights"] = ordered_json::array();
-  for (const LightEstimate& light : estimate.lights) json["lights"].push_back(LightToJson(light));
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i)
+    json["lights"].push_back(LightToJson(estimate.lights[i], estimate.stat.lights[i]));
   json["reflectance"] = ReflectanceToJson(estimate);
   json["products"] = ProductsToJson(estimate);
   json["residual"] = ordered_json{{"initial_rms", ToJson(estimate.initial_rms)},

@@ -159,10 +159,6 @@ void FillSigmas(const Uncertainty& sigma, double specular_limit, Estimate& out) 
 }
 
 void AddNotes(Estimate& out) {
-  out.notes.push_back(
-      {"sigma-statistical",
-       "Sigmas are statistical: they take residuals as independent and the model as "
-       "right. On clean pictures the model's own errors are larger."});
   if (out.distinct_views < out.views)
     out.notes.push_back(
         {"views-add-nothing",
@@ -213,7 +209,9 @@ void FillEstimate(const Observations& all, const Refined& refined, Estimate& out
   const Solution& solution = refined.solution;
   const auto order = StrengthOrder(solution.scene, all);
   const Reported reported = Report(solution.scene, all, order);
-  const Uncertainty sigma = StatisticalUncertainty(solution, all, order, refined.options);
+  const Uncertainties sigmas = EstimateUncertainty(solution, all, order, refined.options);
+  const Uncertainty& sigma = sigmas.total;
+  out.stat = sigmas.stat;
   out.reflectance = reported.reflectance;
   out.reference_point = all.reference;
   out.channels = all.channels;

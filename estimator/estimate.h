@@ -14,6 +14,7 @@
 #include "estimator/keyframe.h"
 #include "estimator/model_selection.h"
 #include "estimator/scene.h"
+#include "estimator/uncertainty.h"
 
 namespace turnlight::estimator {
 
@@ -31,6 +32,7 @@ struct EstimateOptions {
   int max_iterations = 100;  // of each full solve
 };
 
+// Sigmas are sigma_total: see uncertainty.h.
 struct LightEstimate {
   Light light;                   // about W's origin
   bool near = false;             // the data call for a finite distance
@@ -68,7 +70,8 @@ struct IterationRecord {
 struct Estimate {
   std::vector<LightEstimate> lights;  // strongest first; the strongest has intensity 1
   Reflectance reflectance;            // max(albedo) = 1; specular_model kNone if none was found
-  ReflectanceSigma sigma;
+  ReflectanceSigma sigma;             // total, as all sigmas here
+  Uncertainty stat;                   // their statistical parts, lights in the same order
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
   Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();  // in W: centroid of what was observed

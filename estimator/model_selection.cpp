@@ -87,7 +87,8 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   const Scene& scene = out.solution.scene;
   if (scene.reflectance.specular_model == SpecularModel::kNone) return;
   const auto order = StrengthOrder(scene, observations);
-  const Uncertainty sigma = StatisticalUncertainty(out.solution, observations, order, out.options);
+  const Uncertainty sigma =
+      EstimateUncertainty(out.solution, observations, order, out.options).total;
   const Reported reported = Report(scene, observations, order);
   double peak = 0.0;
   for (const ReportedLight& light : reported.lights) peak = std::max(peak, light.specular_product);
@@ -111,7 +112,7 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
   std::vector<std::size_t> own_order(lights);
   for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
   const Uncertainty sigma =
-      StatisticalUncertainty(out.solution, observations, own_order, out.options);
+      EstimateUncertainty(out.solution, observations, own_order, out.options).total;
   const Reported reported = Report(out.solution.scene, observations, own_order);
   out.near.assign(lights, false);
   bool refit = false;

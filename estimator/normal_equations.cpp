@@ -226,6 +226,23 @@ NormalEquations Evaluate(const Observations& observations, const Scene& scene,
   return EvaluateWith<float>(observations, scene, options, kernel::BestKernel().accumulate);
 }
 
+Eigen::MatrixXd TileGradients(const Observations& observations, const Scene& scene,
+                              const EvaluateOptions& options) {
+  const KernelScene kernel_scene(observations, scene, options.huber);
+  const int n = kernel_scene.model.Shared();
+  Eigen::MatrixXd out(observations.channels + n, static_cast<Eigen::Index>(observations.tiles()));
+  ParallelFor(observations.tiles(), [&](std::size_t tile) {
+    std::vector<float> workspace(kernel::WorkspaceSize(n));
+    std::vector<const std::uint8_t*> lit;
+    ChunkSums chunk(n);
+    kernel::BestKernel().accumulate(kernel_scene.model,
+                                    PixelsOf(observations, options, tile, 1, lit), workspace.data(),
+                                    chunk.sums);
+    out.col(static_cast<Eigen::Index>(tile)) = Assemble(kernel_scene.model, chunk.sums).gradient;
+  });
+  return out;
+}
+
 NormalEquations EvaluateDouble(const Observations& observations, const Scene& scene,
                                const EvaluateOptions& options) {
   return EvaluateWith<double>(observations, scene, options, kernel::AccumulateInDouble);

@@ -59,7 +59,10 @@ struct EvaluateOptions {
 // scene is in the observations' coordinates (about the reference, lengths / R), lights white.
 NormalEquations Evaluate(const Observations& observations, const Scene& scene,
                          const EvaluateOptions& options);
-// The same in double precision, for tests of derivatives.
+// The gradient of each tile by itself: columns x tiles.
+Eigen::MatrixXd TileGradients(const Observations& observations, const Scene& scene,
+                              const EvaluateOptions& options);
+// As Evaluate in double precision, for tests of derivatives.
 NormalEquations EvaluateDouble(const Observations& observations, const Scene& scene,
                                const EvaluateOptions& options);
 

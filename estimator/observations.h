@@ -53,12 +53,12 @@ struct Observations {
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
 
   // Only where the target can shadow itself: what it takes to cast shadows on it.
-  const Geometry* caster = nullptr;                  // outlives the observations
-  std::array<std::vector<float>, 3> face_normal;     // geometric normal, unit, W axes
-  std::vector<std::uint32_t> keyframe;               // of each pixel
-  std::vector<calib::Pose> X_TW;                     // per keyframe
-  int width = 0;                                     // of the pictures
-  bool subsampled = false;                           // pixels have lost their neighbours
+  const Geometry* caster = nullptr;               // outlives the observations
+  std::array<std::vector<float>, 3> face_normal;  // geometric normal, unit, W axes
+  std::vector<std::uint32_t> keyframe;            // of each pixel
+  std::vector<calib::Pose> X_TW;                  // per keyframe
+  int width = 0;                                  // of the pictures
+  bool subsampled = false;                        // pixels have lost their neighbours
 
   // Keyframe k's tiles (before subsampling) are [tile_begin[k], tile_begin[k + 1]).
   std::vector<std::size_t> tile_begin{0};

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kChunk = 4096;  // observations per unit of parallel work
-constexpr double kEdgeMargin = 1.25;    // half footprints around an attached shadow's edge
+constexpr double kEdgeMargin = 1.25;  // half footprints around an attached shadow's edge
 
 Vector3d At(const std::array<std::vector<float>, 3>& from, std::size_t i) {
   return {static_cast<double>(from[0][i]), static_cast<double>(from[1][i]),
@@ -39,10 +39,9 @@ LightPlanes Cast(const Observations& all, const Light& light) {
                                   ? length / light.inverse_distance * all.radius
                                   : std::numeric_limits<double>::infinity();
       const calib::Pose& X_TW = all.X_TW[all.keyframe[i]];
-      const bool occluded =
-          all.caster->Occluded(X_TW * (all.reference + all.radius * x),
-                               X_TW.rotation * At(all.face_normal, i),
-                               X_TW.rotation * (to_light / length), distance);
+      const bool occluded = all.caster->Occluded(X_TW * (all.reference + all.radius * x),
+                                                 X_TW.rotation * At(all.face_normal, i),
+                                                 X_TW.rotation * (to_light / length), distance);
       (occluded ? *blocked : *lit)[i] = 1;
     }
   });
@@ -86,7 +85,7 @@ void MarkTerminators(const Observations& all, const std::vector<Light>& lights,
 // Marks, within keyframe k, every pixel one of whose eight neighbours is lit while it is blocked,
 // or the other way round.
 void MarkCastEdges(const Observations& all, std::size_t k, const Shadows& shadows,
-               std::vector<std::uint8_t>& usable) {
+                   std::vector<std::uint8_t>& usable) {
   constexpr std::uint32_t kNone = Observations::kNoPixel;
   const std::size_t begin = all.tile_begin[k] * kTile, end = all.tile_begin[k + 1] * kTile;
   const auto width = static_cast<std::uint32_t>(all.width);
@@ -152,9 +151,7 @@ Shadows CastShadows(const Observations& all, const Scene& scene, const Shadows& 
 }
 
 bool SameShadows(const Shadows& a, const Shadows& b) {
-  const auto same = [](const Plane& x, const Plane& y) {
-    return x == y || (x && y && *x == *y);
-  };
+  const auto same = [](const Plane& x, const Plane& y) { return x == y || (x && y && *x == *y); };
   return std::equal(a.lit.begin(), a.lit.end(), b.lit.begin(), b.lit.end(), same) &&
          same(a.usable, b.usable);
 }

@@ -18,7 +18,7 @@ namespace turnlight::estimator {
 using Plane = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 struct Shadows {
-  std::vector<Light> lights;   // what the planes were cast from
+  std::vector<Light> lights;  // what the planes were cast from
   // Per light, empty if the target cannot shadow itself. Neither lit nor blocked: faces away.
   std::vector<Plane> lit;
   std::vector<Plane> blocked;  // faces the light, but something stands in between

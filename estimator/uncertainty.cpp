@@ -6,6 +6,8 @@
 #include <functional>
 #include <limits>
 
+#include "estimator/residual_splits.h"
+
 namespace turnlight::estimator {
 namespace {
 
@@ -14,6 +16,9 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // say nothing about that direction.
 constexpr double kNullShare = 1e-11;
 constexpr double kWeakShare = 1e-7;
+// Halves share some of the model's errors, which their difference does not show.
+constexpr double kCommon = 2.0;
+constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
 
 // The columns that count as unknowns.
 std::vector<int> Unknowns(const Solution& solution, const Columns& columns,
@@ -53,6 +58,7 @@ struct Covariance {
   std::vector<bool> undetermined;
   double condition = 0.0;
   std::vector<std::string> weak;
+  double variance = 0.0;  // of a value; matrix is this times H^-1
 };
 
 std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unknowns,
@@ -94,6 +100,7 @@ Covariance Invert(const Solution& solution, const Observations& observations,
   const double values = ValueCount(observations, solution.evaluate);
   const double variance =
       2.0 * solution.equations.cost / std::max(values - static_cast<double>(n), 1.0);
+  out.variance = variance;
   double smallest = largest;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double value = eigen.eigenvalues()[k];
@@ -164,6 +171,115 @@ double LargerEigenvalue(const Eigen::Matrix2d& m) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues().maxCoeff();
 }
 
+// Derivatives of the reported quantities by the unknowns, and which depend on what is undetermined.
+struct Carried {
+  Eigen::MatrixXd jacobian;
+  std::vector<bool> unknown;
+};
+
+Carried CarryOver(const Solution& solution, const Observations& observations,
+                  const std::vector<std::size_t>& order, const Columns& columns,
+                  const Covariance& covariance) {
+  const Reported at = Report(solution.scene, observations, order);
+  const Eigen::VectorXd values = Flatten(at, at);
+  const auto n = static_cast<Eigen::Index>(covariance.unknowns.size());
+  Carried out{Eigen::MatrixXd::Zero(values.size(), n),
+              std::vector<bool>(static_cast<std::size_t>(values.size()), false)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int column = covariance.unknowns[static_cast<std::size_t>(i)];
+    const bool undetermined = covariance.undetermined[static_cast<std::size_t>(i)];
+    const double sigma = std::sqrt(covariance.matrix(i, i));
+    const double step = undetermined || !(sigma > 0.0) ? 1e-6 : std::min(1e-3 * sigma, 1e-4);
+    const auto moved = [&](double by) {
+      return Flatten(Report(Moved(solution.scene, columns, column, by), observations, order), at);
+    };
+    out.jacobian.col(i) = (moved(step) - moved(-step)) / (2.0 * step);
+    if (undetermined)
+      for (Eigen::Index q = 0; q < values.size(); ++q)
+        if (std::abs(out.jacobian(q, i)) > 1e-6 * std::abs(values[q]))
+          out.unknown[static_cast<std::size_t>(q)] = true;
+  }
+  return out;
+}
+
+// Covariances of the reported quantities.
+struct Parts {
+  Eigen::MatrixXd stat, model;
+};
+
+Parts PartsOf(const Solution& solution, const Observations& observations,
+              const Covariance& covariance, const Eigen::MatrixXd& jacobian) {
+  Parts out;
+  out.stat = jacobian * covariance.matrix * jacobian.transpose();
+  out.model = Eigen::MatrixXd::Zero(out.stat.rows(), out.stat.cols());
+  const std::vector<int>& unknowns = covariance.unknowns;
+  if (unknowns.empty() || !(covariance.variance > 0.0)) return out;
+  const ResidualSplits splits = SplitResiduals(observations, solution);
+  const Eigen::MatrixXd inverse = covariance.matrix / covariance.variance;
+  const double clusters = static_cast<double>(splits.cluster_count);
+  const Eigen::MatrixXd outer =
+      splits.clusters(unknowns, unknowns) * (clusters / std::max(clusters - 1.0, 1.0));
+  const Eigen::MatrixXd carried = jacobian * inverse;
+  const Eigen::VectorXd sandwich = (carried * outer * carried.transpose()).diagonal();
+  const Eigen::VectorXd more =
+      (sandwich.array() / out.stat.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
+
+  const double count = static_cast<double>(unknowns.size());
+  const double together = std::max((inverse * outer).trace() / (count * covariance.variance), 1.0);
+  const Eigen::VectorXd whole = solution.equations.gradient(unknowns);
+  for (const Eigen::VectorXd& half : splits.halves) {
+    const Eigen::VectorXd gradient = 2.0 * half(unknowns) - whole;
+    const double chi = gradient.dot(inverse * gradient) / (covariance.variance * together);
+    const double expected = count + kJointSigmas * std::sqrt(2.0 * count);
+    const double all = chi > expected ? 1.0 - expected / chi : 0.0;
+    Eigen::VectorXd shift = carried * gradient;
+    for (Eigen::Index q = 0; q < shift.size(); ++q) {
+      const double noise = kOwnSigmas * kOwnSigmas * out.stat(q, q);
+      const double square = shift[q] * shift[q];
+      shift[q] *= kCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
+    }
+    out.model += shift * shift.transpose();
+  }
+  const Eigen::VectorXd finer = carried * splits.finer(unknowns);
+  out.model += finer * finer.transpose();
+  return out;
+}
+
+Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& unknown,
+                      std::size_t lights) {
+  const auto is_unknown = [&](Eigen::Index q) { return unknown[static_cast<std::size_t>(q)]; };
+  const auto sigma = [&](Eigen::Index q) {
+    return is_unknown(q) ? kUnknown : std::sqrt(std::max(result(q, q), 0.0));
+  };
+  const auto sigma3 = [&](Eigen::Index q) {
+    return Eigen::Vector3d(sigma(q), sigma(q + 1), sigma(q + 2));
+  };
+  Uncertainty out;
+  for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(lights); ++l) {
+    const Eigen::Index q = kPerLight * l;
+    LightSigma& light = out.lights.emplace_back();
+    light.direction = is_unknown(q) || is_unknown(q + 1)
+                          ? kUnknown
+                          : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
+    light.inverse_distance = sigma(q + 2);
+    light.intensity = sigma(q + 3);
+    light.diffuse_product = sigma3(q + 4);
+    light.specular_product = sigma(q + 7);
+    light.position_covariance = result.block<3, 3>(q + 8, q + 8);
+    light.distance = sigma(q + 11);
+  }
+  const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(lights);
+  out.albedo = sigma3(s);
+  out.ambient = sigma(s + 3);
+  out.diffuse = sigma(s + 4);
+  out.specular = sigma(s + 5);
+  out.shininess = sigma(s + 6);
+  out.roughness = sigma(s + 7);
+  out.ambient_product = sigma3(s + 8);
+  return out;
+}
+
 }  // namespace
 
 std::vector<std::size_t> StrengthOrder(const Scene& solver_scene,
@@ -201,60 +317,19 @@ Reported Report(const Scene& solver_scene, const Observations& observations,
   return out;
 }
 
-Uncertainty StatisticalUncertainty(const Solution& solution, const Observations& observations,
-                                   const std::vector<std::size_t>& order,
-                                   const SolveOptions& options) {
+Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,
+                                  const std::vector<std::size_t>& order,
+                                  const SolveOptions& options) {
   const Columns columns{observations.channels, static_cast<int>(solution.scene.lights.size())};
   const Covariance covariance = Invert(solution, observations, columns, options);
-  const Reported at = Report(solution.scene, observations, order);
-  const Eigen::VectorXd values = Flatten(at, at);
-  const auto n = static_cast<Eigen::Index>(covariance.unknowns.size());
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(values.size(), n);
-  Eigen::VectorXd unknown = Eigen::VectorXd::Zero(values.size());  // 1: depends on the undetermined
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int column = covariance.unknowns[static_cast<std::size_t>(i)];
-    const bool undetermined = covariance.undetermined[static_cast<std::size_t>(i)];
-    const double sigma = std::sqrt(covariance.matrix(i, i));
-    const double step = undetermined || !(sigma > 0.0) ? 1e-6 : std::min(1e-3 * sigma, 1e-4);
-    const auto moved = [&](double by) {
-      return Flatten(Report(Moved(solution.scene, columns, column, by), observations, order), at);
-    };
-    jacobian.col(i) = (moved(step) - moved(-step)) / (2.0 * step);
-    if (undetermined)
-      for (Eigen::Index q = 0; q < values.size(); ++q)
-        if (std::abs(jacobian(q, i)) > 1e-6 * std::abs(values[q])) unknown[q] = 1.0;
+  const Carried carried = CarryOver(solution, observations, order, columns, covariance);
+  const Parts parts = PartsOf(solution, observations, covariance, carried.jacobian);
+  Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
+                    Unflatten(parts.stat, carried.unknown, order.size())};
+  for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
+    uncertainty->condition = covariance.condition;
+    uncertainty->weak = covariance.weak;
   }
-  Eigen::MatrixXd result = jacobian * covariance.matrix * jacobian.transpose();
-  const auto sigma = [&](Eigen::Index q) {
-    return unknown[q] > 0.0 ? kUnknown : std::sqrt(std::max(result(q, q), 0.0));
-  };
-  const auto sigma3 = [&](Eigen::Index q) {
-    return Eigen::Vector3d(sigma(q), sigma(q + 1), sigma(q + 2));
-  };
-  Uncertainty out;
-  for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(order.size()); ++l) {
-    const Eigen::Index q = kPerLight * l;
-    LightSigma& light = out.lights.emplace_back();
-    light.direction = unknown[q] + unknown[q + 1] > 0.0
-                          ? kUnknown
-                          : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
-    light.inverse_distance = sigma(q + 2);
-    light.intensity = sigma(q + 3);
-    light.diffuse_product = sigma3(q + 4);
-    light.specular_product = sigma(q + 7);
-    light.position_covariance = result.block<3, 3>(q + 8, q + 8);
-    light.distance = sigma(q + 11);
-  }
-  const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(order.size());
-  out.albedo = sigma3(s);
-  out.ambient = sigma(s + 3);
-  out.diffuse = sigma(s + 4);
-  out.specular = sigma(s + 5);
-  out.shininess = sigma(s + 6);
-  out.roughness = sigma(s + 7);
-  out.ambient_product = sigma3(s + 8);
-  out.condition = covariance.condition;
-  out.weak = covariance.weak;
   return out;
 }
 

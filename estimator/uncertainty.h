@@ -51,12 +51,24 @@ struct Uncertainty {
   std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
 };
 
-// Gauss-Newton covariance at a solution, residuals taken as independent: s^2 (J^T J)^-1 with
-// s^2 = sum r^2 / (values - parameters), carried to the reported quantities by their derivatives
-// (central differences). Inverse distances and the specular coefficient count as free at their
-// bound of 0, so that a light that looks distant still has a sigma.
-Uncertainty StatisticalUncertainty(const Solution& solution, const Observations& observations,
-                                   const std::vector<std::size_t>& order,
-                                   const SolveOptions& options);
+// sigma_total^2 = sigma_stat^2 + sigma_model^2.
+struct Uncertainties {
+  Uncertainty total, stat;
+};
+
+// Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and
+// H^-1 (sum g g^T) H^-1 over the gradients g of tiles of neighbouring pixels (Huber's "sandwich",
+// clustered), which is larger where neighbours' residuals go together.
+// Model: for each split of the observations in two halves, half the difference d of what they ask
+// for, to first order; it counts as far as it is more than noise: all parameters together (chi
+// squared, 4 sigma), or a quantity by itself (3 sigma); and twice, for both halves have errors in
+// common. Besides, the change when footprints are
+// sampled twice as finely. Their squares add up.
+// Carried to the reported quantities by their derivatives (central differences). Inverse distances
+// and the specular coefficient count as free at their bound of 0, so that a light that looks
+// distant still has a sigma.
+Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,
+                                  const std::vector<std::size_t>& order,
+                                  const SolveOptions& options);
 
 }  // namespace turnlight::estimator

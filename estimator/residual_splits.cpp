@@ -1,0 +1,80 @@
+#include "estimator/residual_splits.h"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+#include "estimator/kernel/tile_kernel.h"
+
+namespace turnlight::estimator {
+namespace {
+
+float Grey(const std::vector<std::vector<float>>& model, std::size_t i) {
+  float sum = 0.0f;
+  for (const auto& channel : model) sum += channel[i];
+  return sum;
+}
+
+// The gradient of the observations whose value is below the median over all that are used.
+Eigen::VectorXd GradientOfLower(const Observations& all, const Solution& solution,
+                                const std::function<float(std::size_t)>& value) {
+  const Plane& usable = solution.evaluate.shadows.usable;
+  const auto used = [&](std::size_t i) {
+    return all.pixel[i] != Observations::kNoPixel && (!usable || (*usable)[i] != 0);
+  };
+  std::vector<float> values;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i)) values.push_back(value(i));
+  if (values.empty()) return Eigen::VectorXd::Zero(solution.equations.gradient.size());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  auto half = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i) && value(i) < *middle) (*half)[i] = 1;
+  EvaluateOptions options = solution.evaluate;
+  options.shadows.usable = std::move(half);
+  return Evaluate(all, solution.scene, options).gradient;
+}
+
+}  // namespace
+
+ResidualSplits SplitResiduals(const Observations& all, const Solution& solution) {
+  ResidualSplits out;
+  const Eigen::MatrixXd tiles = TileGradients(all, solution.scene, solution.evaluate);
+  out.clusters = tiles * tiles.transpose();
+  out.cluster_count = static_cast<std::size_t>(tiles.cols());
+
+  const std::size_t views = all.tile_begin.size() - 1;
+  const auto of_views = [&](const std::function<bool(std::size_t)>& chosen) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(tiles.rows());
+    for (std::size_t k = 0; k < views; ++k)
+      if (chosen(k))
+        for (std::size_t t = all.tile_begin[k]; t < all.tile_begin[k + 1]; ++t)
+          sum += tiles.col(static_cast<Eigen::Index>(t));
+    return sum;
+  };
+  if (views > 1) {
+    out.halves.push_back(of_views([](std::size_t k) { return k % 2 == 0; }));
+    out.halves.push_back(of_views([&](std::size_t k) { return 2 * k < views; }));
+  }
+  const auto dot = [&](std::size_t i) {
+    return all.normal[0][i] * all.mirrored[0][i] + all.normal[1][i] * all.mirrored[1][i] +
+           all.normal[2][i] * all.mirrored[2][i];
+  };
+  out.halves.push_back(GradientOfLower(all, solution, dot));
+  // By the model's brightness: by the observed one, noise would choose the half.
+  const auto model = Predict(all, solution.scene, solution.evaluate);
+  out.halves.push_back(
+      GradientOfLower(all, solution, [&](std::size_t i) { return Grey(model, i); }));
+  for (int k = 0; k < 3; ++k)
+    out.halves.push_back(GradientOfLower(
+        all, solution, [&](std::size_t i) { return all.normal[static_cast<std::size_t>(k)][i]; }));
+
+  EvaluateOptions finer = solution.evaluate;
+  for (std::uint8_t& samples : finer.samples_per_side)
+    samples = static_cast<std::uint8_t>(std::min(2 * samples, kernel::kMaxSamples));
+  out.finer = Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
+  return out;
+}
+
+}  // namespace turnlight::estimator
