@@ -49,6 +49,7 @@ rig::Sensor DrawSensor(Draws& draw) {
   const double which = draw.Uniform();
   sensor.depth = which < 0.5 ? rig::SensorDepth::k16 : rig::SensorDepth::k8;
   if (which >= 0.75) sensor.encoding = calib::Encoding::kSrgb;
+  sensor.black = sensor.depth == rig::SensorDepth::k16 ? 4096.0 : 16.0;
   const bool clean = draw.Chance(0.25);
   const double noise = draw.Log(0.001, 0.01);
   sensor.noise_relative = clean ? 0.0 : noise;
