@@ -1,0 +1,122 @@
+// study: measures the estimator on many scenes. `study NAME --help` tells the options.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "base/file.h"
+#include "bench/studies/random_scene.h"
+#include "bench/studies/studies.h"
+#include "bench/studies/summary.h"
+
+namespace turnlight::studies {
+namespace {
+
+struct Arguments {
+  std::string scenes;
+  std::string data = TURNLIGHT_SHARED_DATA;
+  RunOptions run;
+  int worst = 10;
+  bool check = false;
+  std::string file;
+  int number = 0;
+};
+
+int Refuse(const Error& error) {
+  std::cerr << "study: " << error.text << "\n";
+  return 2;
+}
+
+Result<Range> ParseRange(const std::string& text) {
+  Range range;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d:%d%c", &range.begin, &range.end, &rest) == 2 &&
+      range.begin >= 0 && range.begin < range.end && range.end <= 1000000)
+    return range;
+  return InputError("--scenes: \"" + text + "\", allowed is A:B with 0 <= A < B");
+}
+
+int Print(const StudyFile& file, const Arguments& arguments) {
+  const Summary summary = Summarise(file, arguments.worst);
+  std::cout << file.study << ": " << file.records.size() << " scenes\n" << summary.text;
+  return arguments.check && !summary.accepted ? 1 : 0;
+}
+
+int Run(const std::string& study, const std::vector<Job>& jobs, const Arguments& arguments) {
+  const auto file = RunJobs(study, jobs, arguments.run);
+  return file ? Print(*file, arguments) : Refuse(file.error());
+}
+
+void AddRunOptions(CLI::App* command, Arguments& arguments) {
+  command->add_option("--out", arguments.run.out,
+                      "Results, JSON; a run that was stopped goes on with it");
+  command->add_flag("--fresh", arguments.run.fresh, "Do scenes again that the file already has");
+  command->add_option("--threads", arguments.run.processes, "Scenes at a time")
+      ->check(CLI::Range(1, 256));
+  command->add_option("--deadline", arguments.run.deadline_s, "Seconds that a scene may take");
+  command->add_option("--worst", arguments.worst, "How many of the worst scenes are listed");
+  command->add_flag("--check", arguments.check, "Exit code 1 unless every figure holds");
+}
+
+CLI::App* AddStudy(CLI::App& app, const char* name, const char* what, const char* scenes,
+                   Arguments& arguments) {
+  CLI::App* command = app.add_subcommand(name, what);
+  arguments.scenes = scenes;
+  command->add_option("--scenes", arguments.scenes, "A:B, the scenes A to B - 1")
+      ->default_str(scenes);
+  AddRunOptions(command, arguments);
+  return command;
+}
+
+int RunRandom(const Arguments& arguments) {
+  const auto range = ParseRange(arguments.scenes);
+  if (!range) return Refuse(range.error());
+  return Run("random", RandomJobs(*range), arguments);
+}
+
+int RunSessions(const Arguments& arguments) {
+  const auto jobs = SessionJobs(arguments.data);
+  return jobs ? Run("sessions", *jobs, arguments) : Refuse(jobs.error());
+}
+
+int PrintSummary(const Arguments& arguments) {
+  const auto file = ReadStudyFile(arguments.file);
+  return file ? Print(*file, arguments) : Refuse(file.error());
+}
+
+int PrintConfig(const Arguments& arguments) {
+  const auto config = RandomScene(static_cast<std::uint64_t>(arguments.number));
+  if (!config) return Refuse(config.error());
+  std::cout << rig::ToYaml(*config);
+  return 0;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Measures the estimator on many scenes");
+  app.require_subcommand(1);
+  Arguments random, sessions, summary, config;
+  CLI::App* random_command = AddStudy(
+      app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
+  CLI::App* sessions_command = app.add_subcommand(
+      "sessions", "Sessions with a truth.json that were made or photographed elsewhere, no hint");
+  sessions_command->add_option("--data", sessions.data, "The folder of the sessions");
+  AddRunOptions(sessions_command, sessions);
+  CLI::App* summary_command = app.add_subcommand("summary", "Prints a results file's figures");
+  summary_command->add_option("FILE", summary.file, "Results")->required();
+  summary_command->add_option("--worst", summary.worst, "How many of the worst scenes are listed");
+  summary_command->add_flag("--check", summary.check, "Exit code 1 unless every figure holds");
+  CLI::App* config_command =
+      app.add_subcommand("config", "Prints a random scene as a config of `turnlight synthesize`");
+  config_command->add_option("NUMBER", config.number, "The scene's number")->required();
+  CLI11_PARSE(app, argc, argv);
+  if (*random_command) return RunRandom(random);
+  if (*sessions_command) return RunSessions(sessions);
+  if (*summary_command) return PrintSummary(summary);
+  return PrintConfig(config);
+}
+
+}  // namespace
+}  // namespace turnlight::studies
+
+int main(int argc, char** argv) { return turnlight::studies::Main(argc, argv); }

@@ -1,0 +1,49 @@
+// An estimate beside the truth: which light is which, and every quantity with its error and its
+// stated sigmas. Both are read as files have them (truth.json, result.json), so that a study
+// measures what a user gets.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/studies/study_file.h"
+#include "estimator/scene.h"
+
+namespace turnlight::studies {
+
+struct Match {
+  std::size_t truth = 0, found = 0;
+  double angle_deg = 0.0;  // between the directions from W's origin
+};
+
+// Pairs of true and found lights, nearest pairs first, each light in at most one.
+std::vector<Match> MatchLights(const std::vector<Eigen::Vector3d>& truth,
+                               const std::vector<Eigen::Vector3d>& found);
+
+// One number of a result. A direction's value is its angle off the truth in degrees, whose truth
+// is 0. In files: [name, light or -1, truth, value, sigma, statistical part or null].
+struct Quantity {
+  std::string name;
+  int light = -1;  // number of the true light
+  double truth = 0.0, value = 0.0;
+  std::optional<double> sigma;  // sigma_total
+  std::optional<double> sigma_stat;
+
+  double Error() const { return value - truth; }
+  std::optional<double> ErrorInSigmas() const;  // absolute
+};
+Json ToJson(const Quantity& quantity);
+Quantity QuantityFromJson(const Json& json);
+
+// The quantities of the lights that are matched within max_angle_deg, and of the reflectance. Only
+// what is not null in the result is there.
+std::vector<Quantity> CompareWithTruth(const estimator::Scene& truth, const Json& result,
+                                       const std::vector<Match>& matches, double max_angle_deg);
+
+// The part of a record that every study of estimates shares: lights_true, lights_found, right (the
+// count), angles_deg (of the true lights, null: not found), quantities, notes (codes), rms, pixels,
+// time_s, iterations, say (one line for people).
+Json Score(const estimator::Scene& truth, const Json& result);
+
+}  // namespace turnlight::studies

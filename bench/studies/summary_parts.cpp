@@ -1,0 +1,128 @@
+#include "bench/studies/summary_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <map>
+
+#include "bench/studies/statistics.h"
+
+namespace turnlight::studies {
+namespace {
+
+// The notes that say that the number of lights may be wrong.
+constexpr const char* kCountWarnings[] = {"count-uncertain"};
+
+struct Column {
+  std::vector<double> in_sigmas;  // infinite where sigma is null
+  std::vector<double> relative;
+  std::vector<double> errors, sigmas;
+};
+
+std::string Row(const std::string& name, const Column& column) {
+  std::string text = Format("  %-18s %6zu", name.c_str(), column.in_sigmas.size());
+  for (const double limit : {1.0, 2.0, 3.0, 4.0}) {
+    const auto within = std::count_if(column.in_sigmas.begin(), column.in_sigmas.end(),
+                                      [&](double z) { return z <= limit; });
+    text += Format("  %5.1f", 100.0 * static_cast<double>(within) /
+                                  static_cast<double>(column.in_sigmas.size()));
+  }
+  return text + Format("  %8.3g  %8.3g  %9.3g  %9.3g\n", Quantile(column.in_sigmas, 0.5),
+                       Quantile(column.in_sigmas, 1.0), Quantile(column.relative, 0.5),
+                       Quantile(column.sigmas, 0.5) / Quantile(column.errors, 0.5));
+}
+
+}  // namespace
+
+std::string Format(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
+            double wanted_share) {
+  const double share = all > 0 ? static_cast<double>(good) / static_cast<double>(all) : 1.0;
+  const bool holds = share >= wanted_share;
+  summary.accepted &= holds;
+  summary.text +=
+      Format("  %-6s %-46s %zu of %zu = %.1f %%, wanted %.0f %%\n", holds ? "holds" : "FAILS",
+             what.c_str(), good, all, 100.0 * share, 100.0 * wanted_share);
+}
+
+void AcceptAtMost(Summary& summary, const std::string& what, double value, double limit,
+                  const char* unit) {
+  const bool holds = value <= limit;
+  summary.accepted &= holds;
+  summary.text += Format("  %-6s %-46s %.3g %s, at most %g\n", holds ? "holds" : "FAILS",
+                         what.c_str(), value, unit, limit);
+}
+
+std::vector<Quantity> Quantities(const Json& record) {
+  std::vector<Quantity> quantities;
+  for (const Json& json : record["quantities"]) quantities.push_back(QuantityFromJson(json));
+  return quantities;
+}
+
+std::string QuantityTable(const std::vector<const Json*>& records) {
+  std::map<std::string, Column> columns;
+  for (const Json* record : records)
+    for (const Quantity& quantity : Quantities(*record)) {
+      Column& column = columns[quantity.name];
+      column.in_sigmas.push_back(quantity.ErrorInSigmas().value_or(INFINITY));
+      column.errors.push_back(std::abs(quantity.Error()));
+      column.sigmas.push_back(quantity.sigma.value_or(INFINITY));
+      if (quantity.name == "direction" || quantity.truth == 0.0)
+        column.relative.push_back(std::abs(quantity.Error()));
+      else
+        column.relative.push_back(std::abs(quantity.Error() / quantity.truth));
+    }
+  std::string text =
+      "  quantity            count  % within 1, 2, 3, 4 sigma     |error|/sigma      median error "
+      " median sigma\n"
+      "                                                         median   largest  (deg, rel.)  "
+      "/ median error\n";
+  for (const auto& [name, column] : columns) text += Row(name, column);
+  return text;
+}
+
+std::string Breakdown(const std::vector<const Json*>& records, const std::string& title,
+                      const std::function<std::string(const Json&)>& group,
+                      const std::function<bool(const Json&)>& right) {
+  std::map<std::string, std::pair<int, int>> groups;
+  for (const Json* record : records) {
+    auto& [good, all] = groups[group(*record)];
+    good += right(*record) ? 1 : 0;
+    ++all;
+  }
+  std::string text = Format("  %-10s", title.c_str());
+  for (const auto& [name, counts] : groups)
+    text += Format("  %s: %d/%d", name.c_str(), counts.first, counts.second);
+  return text + "\n";
+}
+
+std::vector<const Json*> Measured(const StudyFile& file, std::string& text) {
+  std::vector<const Json*> records;
+  for (const auto& [id, record] : file.records) {
+    if (record.contains("failed"))
+      text += "  no result  " + id + ": " + record["failed"].get<std::string>() + "\n";
+    else if (record.contains("left_out"))
+      text += "  left out   " + id + ": " + record["left_out"].get<std::string>() + "\n";
+    else
+      records.push_back(&record);
+  }
+  return records;
+}
+
+bool WarnedOfCount(const Json& record) {
+  return std::any_of(std::begin(kCountWarnings), std::end(kCountWarnings), [&](const char* code) {
+    const Json& notes = record["notes"];
+    return std::find(notes.begin(), notes.end(), code) != notes.end();
+  });
+}
+
+}  // namespace turnlight::studies

@@ -1,0 +1,41 @@
+// Parts of which the studies' summaries are made.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/studies/score.h"
+#include "bench/studies/study_file.h"
+#include "bench/studies/summary.h"
+
+namespace turnlight::studies {
+
+// printf into a string.
+std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+// "  holds  COUNT RIGHT        190 of 200 = 95.0 %, wanted 95 %"
+void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
+            double wanted_share);
+// The same with a measured value and what it may be at most.
+void AcceptAtMost(Summary& summary, const std::string& what, double value, double limit,
+                  const char* unit);
+
+std::vector<Quantity> Quantities(const Json& record);
+
+// A table: per name of a quantity how many, the share within 1, 2, 3 and 4 sigma, median and
+// largest error in sigmas, median relative error, median of sigma over error.
+std::string QuantityTable(const std::vector<const Json*>& records);
+
+// A table of how many records are right, by the value of a key.
+std::string Breakdown(const std::vector<const Json*>& records, const std::string& title,
+                      const std::function<std::string(const Json&)>& group,
+                      const std::function<bool(const Json&)>& right);
+
+// Records without "failed" and "left_out"; the others are told in `text`.
+std::vector<const Json*> Measured(const StudyFile& file, std::string& text);
+
+// Whether a record says beforehand that the number of lights may be wrong.
+bool WarnedOfCount(const Json& record);
+
+}  // namespace turnlight::studies

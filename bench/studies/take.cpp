@@ -1,0 +1,67 @@
+#include "bench/studies/take.h"
+
+#include <chrono>
+
+#include "app/result_json.h"
+#include "bench/studies/score.h"
+
+namespace turnlight::studies {
+namespace {
+
+std::string TargetWord(const rig::SyntheticTarget& target) {
+  if (std::holds_alternative<calib::SphereShape>(target)) return "sphere";
+  return std::holds_alternative<calib::PlaneShape>(target) ? "board" : "blob";
+}
+
+std::string SensorWord(const rig::Sensor& sensor) {
+  const std::string depth = sensor.depth == rig::SensorDepth::k8    ? "8"
+                            : sensor.depth == rig::SensorDepth::k16 ? "16"
+                                                                    : "float";
+  return depth + (sensor.encoding == calib::Encoding::kSrgb    ? " sRGB"
+                  : sensor.encoding == calib::Encoding::kGamma ? " gamma"
+                                                               : " linear");
+}
+
+}  // namespace
+
+Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
+                               const estimator::EstimateOptions& options) {
+  const auto keyframes = rig::ToKeyframes(session);
+  const auto start = std::chrono::steady_clock::now();
+  const estimator::Geometry geometry(session.target);
+  const calib::RayGrid rays(session.camera);
+  const auto output = estimator::EstimateScene(keyframes, geometry, rays, options);
+  if (!output) return Forward(output);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return app::ResultToJson(output->estimate, "study", "lm", {0.0, seconds});
+}
+
+Json TakeAndScore(const rig::SyntheticConfig& config, const estimator::EstimateOptions& options) {
+  const auto session = rig::SynthesizeInMemory(config);
+  if (!session) return Json{{"failed", session.error().text}};
+  const auto result = EstimateSynthetic(*session, options);
+  if (!result) return Json{{"failed", result.error().text}};
+  Json record = Describe(config);
+  record.update(Score(session->scene, *result));
+  return record;
+}
+
+Json Describe(const rig::SyntheticConfig& config) {
+  Json json;
+  json["seed"] = config.seed;
+  json["target"] = TargetWord(config.target);
+  json["motion"] = config.motion.kind == rig::MotionKind::kOrbit ? "orbit" : "table";
+  json["views"] = config.motion.frames;
+  json["width"] = config.camera.width;
+  json["sensor"] = SensorWord(config.sensor);
+  json["noise"] = Rounded(config.sensor.noise_relative, 3);
+  if (const auto* material = std::get_if<estimator::Reflectance>(&config.reflectance)) {
+    json["shininess"] = Rounded(material->shininess, 3);
+    json["diffuse_true"] =
+        material->diffuse_model == estimator::DiffuseModel::kLambert ? "lambert" : "oren-nayar";
+  }
+  return json;
+}
+
+}  // namespace turnlight::studies

@@ -1,0 +1,24 @@
+// From a config of the scene generator to a scored estimate, on the path of `turnlight estimate`.
+#pragma once
+
+#include "bench/studies/study_file.h"
+#include "estimator/estimate.h"
+#include "rig/sim/synthetic_config.h"
+#include "rig/sim/synthetic_session.h"
+
+namespace turnlight::studies {
+
+// The result.json of an estimate of these pictures, and the time of the estimate alone in
+// time_s/total.
+Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
+                               const estimator::EstimateOptions& options = {});
+
+// Makes the pictures in memory (with the sensor's bits, encoding and clipping), estimates, scores.
+// What was refused is the record's "failed".
+Json TakeAndScore(const rig::SyntheticConfig& config,
+                  const estimator::EstimateOptions& options = {});
+
+// What a config is, in a few keys: target, motion, views, size, bits, encoding, noise.
+Json Describe(const rig::SyntheticConfig& config);
+
+}  // namespace turnlight::studies
