@@ -218,8 +218,8 @@ void FillEstimate(const Observations& all, const Refined& refined, Estimate& out
   out.ambient_product = reported.ambient_product;
   for (std::size_t i = 0; i < order.size(); ++i)
     out.lights.push_back(MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
-                                   refined.inverse_distance[order[i]] / all.radius,
-                                   refined.inverse_distance_sigma[order[i]] / all.radius, i == 0));
+                                   refined.inverse_distance[order[i]],
+                                   refined.inverse_distance_sigma[order[i]], i == 0));
   FillSigmas(sigma, refined.specular_sigma, out);
   EvaluateOptions squares = refined.options.evaluate;
   squares.huber = 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "estimator/missing_lights.h"
 #include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
@@ -117,10 +118,11 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
   out.near.assign(lights, false);
   bool refit = false;
   for (std::size_t l = 0; l < lights; ++l) {
-    const double rho = reported.lights[l].light.inverse_distance * observations.radius;
-    const double own = sigma.lights[l].inverse_distance * observations.radius;
-    out.inverse_distance.push_back(rho);
-    out.inverse_distance_sigma.push_back(own);
+    // About W's origin, for the reader; the decision is about the target, wherever the origin is.
+    out.inverse_distance.push_back(reported.lights[l].light.inverse_distance);
+    out.inverse_distance_sigma.push_back(sigma.lights[l].inverse_distance);
+    const double rho = out.solution.scene.lights[l].inverse_distance;
+    const double own = sigma.lights[l].inverse_distance_at_reference;
     out.near[l] = rho >= kMinInverseDistance && rho > kSignificance * own;
     if (!out.near[l] && rho > 0.0) refit = true;
     ladder.push_back(
@@ -154,11 +156,23 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
                            static_cast<double>(from_map.scene.lights.size()), from_map.excess)});
     return from_map;
   }
+  from_map = AddMissingLights(sample, std::move(from_map), noise);
+  if (NothingLeft(from_map.excess, sample, noise)) {
+    ladder.push_back(
+        {"start", true,
+         Text("the intensity map's clusters, and what they leave in the residual, lead "
+              "to %.0f lights that explain the pictures down to the noise (excess "
+              "variance %.3g)",
+              static_cast<double>(from_map.scene.lights.size()), from_map.excess)});
+    return from_map;
+  }
   const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample));
-  Candidate from_lattice = FitAndEliminate(sample, StartFromDirections(sample, lattice), noise);
-  const double more = static_cast<double>(from_lattice.scene.lights.size()) -
-                      static_cast<double>(from_map.scene.lights.size());
-  const bool lattice_wins = from_map.excess > from_lattice.excess * std::pow(kRatioPerLight, more);
+  Candidate from_lattice = AddMissingLights(
+      sample, FitAndEliminate(sample, StartFromDirections(sample, lattice), noise), noise);
+  // Every light of either is needed: the excess variance would be three times as large without it.
+  const double ratio =
+      from_lattice.scene.lights.size() > from_map.scene.lights.size() ? kRatioPerLight : 1.0;
+  const bool lattice_wins = from_map.excess > from_lattice.excess * ratio;
   ladder.push_back(
       {"start", !lattice_wins,
        Text("the intensity map's clusters lead to %.0f lights with an excess variance of %.3g",

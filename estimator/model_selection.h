@@ -29,15 +29,16 @@ Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double 
 
 // The full solve on all observations from a good start, its footprints sampled for the lobe found,
 // Huber's loss where the residual is more than noise; then what is significant and relevant:
-// specular (peak at least 0.003 of white and 3 sigma), finite distances (rho at least 3 sigma and
-// rho R at least 5e-4). Returns the last solution with the options it was solved with.
+// specular (peak at least 0.003 of white and 3 sigma), finite distances (about the reference: rho
+// at least 3 sigma and rho R at least 5e-4). Returns the last solution with the options it was
+// solved with.
 struct Refined {
   Solution solution;
   SolveOptions options;
-  std::vector<bool> near;                      // per light
-  std::vector<double> inverse_distance;        // per light, 1/R: of the fit with distances free
-  std::vector<double> inverse_distance_sigma;  // per light, 1/R
-  double specular_sigma = 0.0;                 // of k_s, if it was found not to matter
+  std::vector<bool> near;                // per light
+  std::vector<double> inverse_distance;  // per light, about W's origin, with distances free
+  std::vector<double> inverse_distance_sigma;
+  double specular_sigma = 0.0;  // of k_s, if it was found not to matter
   std::vector<double> cost_history;
   int iterations = 0;
 };

@@ -145,7 +145,7 @@ Scene Moved(const Scene& scene, const Columns& columns, int column, double step)
 }
 
 // The reported quantities as one vector, directions by their tangent coordinates at the solution.
-constexpr Eigen::Index kPerLight = 12, kShared = 11;
+constexpr Eigen::Index kPerLight = 13, kShared = 11;
 
 Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
   const auto lights = static_cast<Eigen::Index>(reported.lights.size());
@@ -159,7 +159,7 @@ Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
     out.segment(kPerLight * l, kPerLight)
         << TangentBasis(at.lights[static_cast<std::size_t>(l)].light.direction).transpose() * u,
         rho, light.light.intensity, light.diffuse_product, light.specular_product, u / safe,
-        1.0 / safe;
+        1.0 / safe, light.inverse_distance_at_reference;
   }
   const Reflectance& r = reported.reflectance;
   out.tail(kShared) << r.albedo, r.ambient, r.diffuse, r.specular, r.shininess, r.roughness,
@@ -268,6 +268,7 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
     light.specular_product = sigma(q + 7);
     light.position_covariance = result.block<3, 3>(q + 8, q + 8);
     light.distance = sigma(q + 11);
+    light.inverse_distance_at_reference = sigma(q + 12);
   }
   const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(lights);
   out.albedo = sigma3(s);
@@ -313,6 +314,7 @@ Reported Report(const Scene& solver_scene, const Observations& observations,
     light.direction_at_reference = solver_scene.lights[index].direction;
     light.diffuse_product = r.albedo * (r.diffuse * light.light.intensity);
     light.specular_product = r.specular * light.light.intensity;
+    light.inverse_distance_at_reference = solver_scene.lights[index].inverse_distance;
   }
   return out;
 }

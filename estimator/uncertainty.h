@@ -15,9 +15,10 @@ namespace turnlight::estimator {
 // has intensity 1), lights in a fixed order.
 struct ReportedLight {
   Light light;
-  Eigen::Vector3d direction_at_reference;  // from the reference point
-  Eigen::Vector3d diffuse_product;         // O k_d I
-  double specular_product = 0.0;           // k_s I
+  Eigen::Vector3d direction_at_reference;      // from the reference point
+  Eigen::Vector3d diffuse_product;             // O k_d I
+  double specular_product = 0.0;               // k_s I
+  double inverse_distance_at_reference = 0.0;  // in 1/R
 };
 struct Reported {
   std::vector<ReportedLight> lights;
@@ -39,6 +40,7 @@ struct LightSigma {
   double intensity = 0.0;
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();  // meaningful for rho > 0
   double distance = 0.0;
+  double inverse_distance_at_reference = 0.0;  // 1/R
   Eigen::Vector3d diffuse_product = Eigen::Vector3d::Zero();
   double specular_product = 0.0;
 };
