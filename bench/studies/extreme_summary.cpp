@@ -19,6 +19,37 @@ const Quantity* Worst(const std::vector<Quantity>& quantities) {
   return worst == quantities.end() ? nullptr : &*worst;
 }
 
+double DirectionSigma(const Json& record) {
+  for (const Quantity& quantity : Quantities(record))
+    if (quantity.name == "direction" && quantity.light == 0)
+      return quantity.sigma.value_or(INFINITY);
+  return INFINITY;
+}
+
+// Identical views are one view: the note says so, and the sigmas are those of one.
+void CheckIdenticalViews(const StudyFile& file, Summary& out) {
+  const Json* single = nullptr;
+  std::vector<const Json*> identical;
+  for (const auto& [id, record] : file.records) {
+    if (record.value("group", "") != "views" || !record.contains("quantities")) continue;
+    const std::string setting = record["setting"];
+    if (setting == "1") single = &record;
+    if (setting.find("identical") != std::string::npos) identical.push_back(&record);
+  }
+  if (!single) return;
+  std::size_t good = 0;
+  for (const Json* record : identical) {
+    const Json& notes = (*record)["notes"];
+    const bool said = std::find(notes.begin(), notes.end(), "views-add-nothing") != notes.end();
+    const double ratio = DirectionSigma(*record) / DirectionSigma(*single);
+    good += said && (*record)["distinct_views"] == 1 && ratio > 0.8 ? 1 : 0;
+    out.text += Format("  %s: distinct_views %d, note %s, direction sigma %.3g of one view's\n",
+                       (*record)["setting"].get<std::string>().c_str(),
+                       (*record)["distinct_views"].get<int>(), said ? "there" : "missing", ratio);
+  }
+  Accept(out, "identical views count as one", good, identical.size(), 1.0);
+}
+
 }  // namespace
 
 Summary SummariseExtremes(const StudyFile& file) {
@@ -56,6 +87,7 @@ Summary SummariseExtremes(const StudyFile& file) {
   Accept(out, "answered: no crash, no hang", answered, file.records.size(), 1.0);
   Accept(out, "every number that must be there is finite", finite, answered, 1.0);
   Accept(out, "no error above 4 sigma_total", honest, compared, 1.0);
+  CheckIdenticalViews(file, out);
   out.text += "  cells that fail:\n" + bad;
   return out;
 }
