@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "bench/studies/random_scene.h"
+#include "bench/studies/report.h"
 #include "bench/studies/studies.h"
 #include "bench/studies/summary.h"
 
@@ -69,15 +70,21 @@ CLI::App* AddStudy(CLI::App& app, const char* name, const char* what, const char
   return command;
 }
 
-int RunRandom(const Arguments& arguments) {
+int RunScenes(const char* study, std::vector<Job> (*jobs)(Range), const Arguments& arguments) {
   const auto range = ParseRange(arguments.scenes);
-  if (!range) return Refuse(range.error());
-  return Run("random", RandomJobs(*range), arguments);
+  return range ? Run(study, jobs(*range), arguments) : Refuse(range.error());
 }
 
 int RunSessions(const Arguments& arguments) {
   const auto jobs = SessionJobs(arguments.data);
   return jobs ? Run("sessions", *jobs, arguments) : Refuse(jobs.error());
+}
+
+int RunExtremes(const Arguments& arguments) {
+  std::vector<Job> jobs = ExtremeJobs();
+  std::erase_if(jobs,
+                [&](const Job& job) { return job.id.find(arguments.scenes) == std::string::npos; });
+  return Run("extremes", jobs, arguments);
 }
 
 int PrintSummary(const Arguments& arguments) {
@@ -95,9 +102,20 @@ int PrintConfig(const Arguments& arguments) {
 int Main(int argc, char** argv) {
   CLI::App app("Measures the estimator on many scenes");
   app.require_subcommand(1);
-  Arguments random, sessions, summary, config;
+  Arguments random, eight, handstart, coverage, extremes, sessions, summary, report, config;
   CLI::App* random_command = AddStudy(
       app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
+  CLI::App* eight_command =
+      AddStudy(app, "eight", "Eight lights over a ball and a lump, 20 and 10 views", "0:5", eight);
+  CLI::App* handstart_command =
+      AddStudy(app, "handstart", "Random scenes, started 10 to 70 degrees off", "0:100", handstart);
+  CLI::App* coverage_command =
+      AddStudy(app, "coverage", "Random scenes, 20 draws of noise each: do the intervals hold?",
+               "0:36", coverage);
+  CLI::App* extremes_command =
+      app.add_subcommand("extremes", "One thing at a time taken to its extreme");
+  extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");
+  AddRunOptions(extremes_command, extremes);
   CLI::App* sessions_command = app.add_subcommand(
       "sessions", "Sessions with a truth.json that were made or photographed elsewhere, no hint");
   sessions_command->add_option("--data", sessions.data, "The folder of the sessions");
@@ -106,13 +124,28 @@ int Main(int argc, char** argv) {
   summary_command->add_option("FILE", summary.file, "Results")->required();
   summary_command->add_option("--worst", summary.worst, "How many of the worst scenes are listed");
   summary_command->add_flag("--check", summary.check, "Exit code 1 unless every figure holds");
+  CLI::App* report_command = app.add_subcommand(
+      "report", "Writes docs/accuracy.md and docs/stability.md from the results");
+  report.data = TURNLIGHT_SOURCE_DIR "/bench/studies/results";
+  report.file = TURNLIGHT_SOURCE_DIR "/docs";
+  report_command->add_option("--results", report.data, "The folder of the results")
+      ->default_str("bench/studies/results");
+  report_command->add_option("--docs", report.file, "Where to write")->default_str("docs");
   CLI::App* config_command =
       app.add_subcommand("config", "Prints a random scene as a config of `turnlight synthesize`");
   config_command->add_option("NUMBER", config.number, "The scene's number")->required();
   CLI11_PARSE(app, argc, argv);
-  if (*random_command) return RunRandom(random);
+  if (*random_command) return RunScenes("random", RandomJobs, random);
+  if (*eight_command) return RunScenes("eight", EightJobs, eight);
+  if (*handstart_command) return RunScenes("handstart", HandStartJobs, handstart);
+  if (*coverage_command) return RunScenes("coverage", CoverageJobs, coverage);
+  if (*extremes_command) return RunExtremes(extremes);
   if (*sessions_command) return RunSessions(sessions);
   if (*summary_command) return PrintSummary(summary);
+  if (*report_command) {
+    const Status status = WriteReport(report.data, report.file);
+    return status ? 0 : Refuse(status.error());
+  }
   return PrintConfig(config);
 }
 

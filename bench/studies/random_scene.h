@@ -13,7 +13,8 @@
 //   material    Phong, shininess 20..300 (logarithmic), k_s 0.15..0.6, k_d 0.3..0.7, k_a 0.01..0.1,
 //               albedo 0.2..0.9 per channel; Lambert (90 %) or Oren-Nayar of 10..30 degrees
 //   sensor      16 bits linear (50 %), 8 bits linear (25 %), 8 bits sRGB (25 %), with a black level
-//               that keeps the noise of dark pixels; noise 0 (25 %) or 0.1..1 % of white (logarithmic)
+//               that keeps the noise of dark pixels; noise 0 (25 %) or 0.1..1 % of white
+//               (logarithmic)
 //   exposure    the brightest pixel at 0.7..0.95 of white, in 15 % at 1.1..1.4 (clipped)
 // Lights and material are drawn again until: any two lights are at least two lobe widths apart (the
 // full width at half maximum of (r.v)^n), every highlight reaches 0.05 of white, and at least 4

@@ -18,6 +18,25 @@ struct Range {
 // Random scenes that an estimate without a hint must get right (random_scene.h).
 std::vector<Job> RandomJobs(Range scenes);
 
+// Eight lights as in Figs. 7 to 9 of Mashita et al.: three around the zenith, five lower down, over
+// a ball and over a lump with hollows, from 20 and from 10 views, without noise and with 1 %. A
+// scene is one arrangement: number 0 has the lights 5 m away and equally spaced, the others are
+// turned, jittered by up to 5 degrees, 5 to 40 target radii away, with intensities in a ratio of up
+// to 2.
+std::vector<Job> EightJobs(Range arrangements);
+
+// The random study's scenes, started by hand: each light's direction is turned by 10 to 70 degrees
+// about a random axis across it; nothing else is given.
+std::vector<Job> HandStartJobs(Range scenes);
+
+// Random scenes with noise (0.2 to 1 %), 20 draws of it each: how often the stated intervals hold
+// the truth. Lumps are left out (their shape hangs on the seed of the noise), and so are clean
+// scenes; scene i is the first that remains of the random scenes 3 i, 3 i + 1, 3 i + 2.
+std::vector<Job> CoverageJobs(Range scenes);
+
+// One thing at a time taken to its extreme (extreme_cells.h).
+std::vector<Job> ExtremeJobs();
+
 // The sessions of a folder of data that were made or photographed elsewhere: all that have a
 // truth.json. Each is estimated without a hint by the program's own function.
 Result<std::vector<Job>> SessionJobs(const std::filesystem::path& data);

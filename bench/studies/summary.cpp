@@ -10,22 +10,6 @@
 namespace turnlight::studies {
 namespace {
 
-bool Right(const Json& record) { return record["right"].get<bool>(); }
-
-// The right count, and every light near its true one.
-bool RightBasin(const Json& record, double within_deg) {
-  return Right(record) &&
-         std::all_of(record["angles_deg"].begin(), record["angles_deg"].end(),
-                     [&](const Json& a) { return a.is_number() && a.get<double>() <= within_deg; });
-}
-
-std::string Times(const std::vector<const Json*>& records) {
-  std::vector<double> times;
-  for (const Json* record : records) times.push_back(record->value("time_s", 0.0));
-  return Format("  time of an estimate: median %.2g s, 95 %% below %.2g s, longest %.2g s\n",
-                Quantile(times, 0.5), Quantile(times, 0.95), Quantile(times, 1.0));
-}
-
 // Which notes stand in how many right and wrong records.
 std::string NoteTable(const std::vector<const Json*>& records) {
   std::map<std::string, std::pair<int, int>> codes;
@@ -41,34 +25,6 @@ std::string NoteTable(const std::vector<const Json*>& records) {
   for (const auto& [code, counts] : codes)
     text += Format("  %s %d/%d", code.c_str(), counts.first, counts.second);
   return text + "\n";
-}
-
-double WorstDirection(const Json& record) {
-  double worst = 0.0;
-  for (const Json& angle : record["angles_deg"])
-    worst = std::max(worst, angle.is_number() ? angle.get<double>() : 180.0);
-  return worst;
-}
-
-double WorstDirectionInSigmas(const Json& record) {
-  double worst = 0.0;
-  for (const Quantity& quantity : Quantities(record))
-    if (quantity.name == "direction")
-      worst = std::max(worst, quantity.ErrorInSigmas().value_or(INFINITY));
-  return worst;
-}
-
-std::string SceneLine(const Json& record) {
-  return Format(
-      "    %-22s %s, %d views, %s, noise %g, n %g, %s (%s found): %d of %d lights, worst direction "
-      "%.3g deg = %.3g sigma, rms %g%s\n",
-      record["id"].get<std::string>().c_str(),
-      record.value("target", std::string("session")).c_str(), record.value("views", 0),
-      record.value("sensor", std::string()).c_str(), record.value("noise", 0.0),
-      record.value("shininess", 0.0), record.value("diffuse_true", std::string()).c_str(),
-      record.value("diffuse_model", std::string()).c_str(), record["lights_found"].get<int>(),
-      record["lights_true"].get<int>(), WorstDirection(record), WorstDirectionInSigmas(record),
-      record.value("rms", 0.0), WarnedOfCount(record) ? ", warned" : "");
 }
 
 std::string WorstScenes(std::vector<const Json*> records, int worst) {
@@ -140,78 +96,50 @@ Summary SummariseRandom(const StudyFile& file, int worst) {
   return out;
 }
 
-struct Limits {
-  double direction_deg, distance, product;
-};
-
-// One session's quantities against the limits for its kind of target.
-void CheckSession(const Json& record, const Limits& limits, Summary& out) {
+// Of "eight/ball/20-views/noise-0.01/003": "ball/20-views/noise-0.01".
+std::string EightGroup(const Json& record) {
   const std::string id = record["id"];
-  double direction = 0.0, distance = 0.0, product = 0.0;
-  for (const Quantity& quantity : Quantities(record)) {
-    const double relative = std::abs(quantity.Error() / quantity.truth);
-    if (quantity.name == "direction")
-      direction = std::max(direction, quantity.Error());
-    else if (quantity.name == "distance")
-      distance = std::max(distance, relative);
-    else if (quantity.name != "inverse_distance")
-      product = std::max(product, relative);
-  }
-  if (record["specular_model"] == "none" && id.find("matte") == std::string::npos) product = 1.0;
-  Accept(out, id + ": count", Right(record) ? 1 : 0, 1, 1.0);
-  AcceptAtMost(out, id + ": direction", direction, limits.direction_deg, "deg");
-  AcceptAtMost(out, id + ": distance", 100.0 * distance, 100.0 * limits.distance, "%");
-  AcceptAtMost(out, id + ": products, shininess", 100.0 * product, 100.0 * limits.product, "%");
+  return id.substr(6, id.rfind('/') - 6);
 }
 
-void CheckPovSigmas(const std::vector<const Json*>& records, Summary& out) {
-  std::size_t within = 0, all = 0;
-  std::vector<double> errors, sigmas;
-  for (const Json* record : records)
-    for (const Quantity& quantity : Quantities(*record)) {
-      ++all;
-      within += quantity.ErrorInSigmas().value_or(INFINITY) <= 3.0 ? 1 : 0;
-      const double scale =
-          quantity.name == "direction" || quantity.truth == 0.0 ? 1.0 : std::abs(quantity.truth);
-      errors.push_back(std::abs(quantity.Error()) / scale);
-      sigmas.push_back(quantity.sigma.value_or(INFINITY) / scale);
-    }
-  Accept(out, "pov: |error| at most 3 sigma_total", within, all, 0.9);
-  AcceptAtMost(out, "pov: median sigma_total / median error",
-               Quantile(sigmas, 0.5) / Quantile(errors, 0.5), 5.0, "");
-}
-
-Summary SummariseSessions(const StudyFile& file, int) {
+Summary SummariseEight(const StudyFile& file, int worst) {
   Summary out;
   const auto records = Measured(file, out.text);
-  out.accepted = records.size() == file.records.size();
-  std::vector<const Json*> pov;
-  std::vector<double> gray;
-  for (const Json* record : records) {
-    const std::string id = (*record)["id"];
-    out.text += SceneLine(*record);
-    if (id.starts_with("uw_gray")) gray.push_back(WorstDirection(*record));
-    if (!id.starts_with("pov_")) continue;
-    pov.push_back(record);
-    const bool mesh = id.find("mesh") != std::string::npos;
-    CheckSession(*record, mesh ? Limits{0.1, 0.01, 0.02} : Limits{0.02, 0.003, 0.01}, out);
-  }
-  if (!pov.empty()) CheckPovSigmas(pov, out);
-  if (!gray.empty()) {
-    double sum = 0.0;
-    for (const double angle : gray) sum += angle;
-    AcceptAtMost(out, "uw_gray: mean direction", sum / static_cast<double>(gray.size()), 1.6,
-                 "deg");
-    AcceptAtMost(out, "uw_gray: worst direction", Quantile(gray, 1.0), 3.0, "deg");
-  }
-  out.text += Times(records) + "\n" + QuantityTable(pov);
+  const auto all_found = [](const Json& record) { return RightBasin(record, 0.5); };
+  Accept(
+      out, "all eight within 0.5 degree, none too many",
+      static_cast<std::size_t>(std::count_if(
+          records.begin(), records.end(), [&](const Json* record) { return all_found(*record); })),
+      file.records.size(), 1.0);
+  out.text += Breakdown(records, "found", EightGroup, all_found) + Times(records);
+  out.text += "\n" + QuantityTable(records) + "\n" + WorstScenes(records, worst);
+  return out;
+}
+
+Summary SummariseHandStart(const StudyFile& file, int worst) {
+  Summary out;
+  const auto records = Measured(file, out.text);
+  const auto basin = [](const Json& record) { return RightBasin(record, 1.0); };
+  Accept(out, "right basin: right count, all within 1 degree",
+         static_cast<std::size_t>(std::count_if(
+             records.begin(), records.end(), [&](const Json* record) { return basin(*record); })),
+         records.size(), 0.95);
+  out.text += Breakdown(
+      records, "lights", [](const Json& r) { return r["lights_true"].dump(); }, basin);
+  out.text += Breakdown(
+      records, "target", [](const Json& r) { return r.value("target", std::string()); }, basin);
+  out.text += Times(records) + WorstScenes(records, worst);
   return out;
 }
 
 }  // namespace
 
 Summary Summarise(const StudyFile& file, int worst) {
-  if (file.study == "sessions") return SummariseSessions(file, worst);
+  if (file.study == "sessions") return SummariseSessions(file);
+  if (file.study == "coverage") return SummariseCoverage(file);
+  if (file.study == "extremes") return SummariseExtremes(file);
+  if (file.study == "eight") return SummariseEight(file, worst);
+  if (file.study == "handstart") return SummariseHandStart(file, worst);
   return SummariseRandom(file, worst);
 }
 

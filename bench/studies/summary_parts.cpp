@@ -118,6 +118,49 @@ std::vector<const Json*> Measured(const StudyFile& file, std::string& text) {
   return records;
 }
 
+bool Right(const Json& record) { return record["right"].get<bool>(); }
+
+bool RightBasin(const Json& record, double within_deg) {
+  return Right(record) &&
+         std::all_of(record["angles_deg"].begin(), record["angles_deg"].end(),
+                     [&](const Json& a) { return a.is_number() && a.get<double>() <= within_deg; });
+}
+
+std::string Times(const std::vector<const Json*>& records) {
+  std::vector<double> times;
+  for (const Json* record : records) times.push_back(record->value("time_s", 0.0));
+  return Format("  time of an estimate: median %.2g s, 95 %% below %.2g s, longest %.2g s\n",
+                Quantile(times, 0.5), Quantile(times, 0.95), Quantile(times, 1.0));
+}
+
+double WorstDirection(const Json& record) {
+  double worst = 0.0;
+  for (const Json& angle : record["angles_deg"])
+    worst = std::max(worst, angle.is_number() ? angle.get<double>() : 180.0);
+  return worst;
+}
+
+double WorstDirectionInSigmas(const Json& record) {
+  double worst = 0.0;
+  for (const Quantity& quantity : Quantities(record))
+    if (quantity.name == "direction")
+      worst = std::max(worst, quantity.ErrorInSigmas().value_or(INFINITY));
+  return worst;
+}
+
+std::string SceneLine(const Json& record) {
+  return Format(
+      "    %-22s %s, %d views, %s, noise %g, n %g, %s (%s found): %d of %d lights, worst direction "
+      "%.3g deg = %.3g sigma, rms %g%s\n",
+      record["id"].get<std::string>().c_str(),
+      record.value("target", std::string("session")).c_str(), record.value("views", 0),
+      record.value("sensor", std::string()).c_str(), record.value("noise", 0.0),
+      record.value("shininess", 0.0), record.value("diffuse_true", std::string()).c_str(),
+      record.value("diffuse_model", std::string()).c_str(), record["lights_found"].get<int>(),
+      record["lights_true"].get<int>(), WorstDirection(record), WorstDirectionInSigmas(record),
+      record.value("rms", 0.0), WarnedOfCount(record) ? ", warned" : "");
+}
+
 bool WarnedOfCount(const Json& record) {
   return std::any_of(std::begin(kCountWarnings), std::end(kCountWarnings), [&](const char* code) {
     const Json& notes = record["notes"];

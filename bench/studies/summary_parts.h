@@ -32,8 +32,26 @@ std::string Breakdown(const std::vector<const Json*>& records, const std::string
                       const std::function<std::string(const Json&)>& group,
                       const std::function<bool(const Json&)>& right);
 
+// The summaries of the studies that need their own.
+Summary SummariseSessions(const StudyFile& file);
+Summary SummariseCoverage(const StudyFile& file);
+Summary SummariseExtremes(const StudyFile& file);
+
 // Records without "failed" and "left_out"; the others are told in `text`.
 std::vector<const Json*> Measured(const StudyFile& file, std::string& text);
+
+// Whether the number of lights is right.
+bool Right(const Json& record);
+// And every light lies near its true one.
+bool RightBasin(const Json& record, double within_deg);
+
+// Of a record's lights; 180 if one is missing. In sigmas: infinite if the sigma is null.
+double WorstDirection(const Json& record);
+double WorstDirectionInSigmas(const Json& record);
+
+std::string Times(const std::vector<const Json*>& records);
+// One line about a record, for lists of the worst.
+std::string SceneLine(const Json& record);
 
 // Whether a record says beforehand that the number of lights may be wrong.
 bool WarnedOfCount(const Json& record);

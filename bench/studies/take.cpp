@@ -37,14 +37,21 @@ Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
   return app::ResultToJson(output->estimate, "study", "lm", {0.0, seconds});
 }
 
+Json EstimateAndScore(const rig::SyntheticSession& session,
+                      const estimator::EstimateOptions& options) {
+  const auto result = EstimateSynthetic(session, options);
+  return result ? Score(session.scene, *result) : Json{{"failed", result.error().text}};
+}
+
 Json TakeAndScore(const rig::SyntheticConfig& config, const estimator::EstimateOptions& options) {
   const auto session = rig::SynthesizeInMemory(config);
   if (!session) return Json{{"failed", session.error().text}};
-  const auto result = EstimateSynthetic(*session, options);
-  if (!result) return Json{{"failed", result.error().text}};
-  Json record = Describe(config);
-  record.update(Score(session->scene, *result));
-  return record;
+  return Joined(Describe(config), EstimateAndScore(*session, options));
+}
+
+Json Joined(Json first, const Json& second) {
+  first.update(second);
+  return first;
 }
 
 Json Describe(const rig::SyntheticConfig& config) {

@@ -13,10 +13,16 @@ namespace turnlight::studies {
 Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
                                const estimator::EstimateOptions& options = {});
 
+// The estimate of these pictures beside session.scene; what was refused is the record's "failed".
+Json EstimateAndScore(const rig::SyntheticSession& session,
+                      const estimator::EstimateOptions& options = {});
+
 // Makes the pictures in memory (with the sensor's bits, encoding and clipping), estimates, scores.
-// What was refused is the record's "failed".
 Json TakeAndScore(const rig::SyntheticConfig& config,
                   const estimator::EstimateOptions& options = {});
+
+// A record of the given keys with more keys after them.
+Json Joined(Json first, const Json& second);
 
 // What a config is, in a few keys: target, motion, views, size, bits, encoding, noise.
 Json Describe(const rig::SyntheticConfig& config);

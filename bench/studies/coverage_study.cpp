@@ -1,0 +1,191 @@
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "base/angles.h"
+#include "base/random.h"
+#include "bench/studies/random_scene.h"
+#include "bench/studies/score.h"
+#include "bench/studies/studies.h"
+#include "bench/studies/take.h"
+#include "rig/sim/studio.h"
+
+namespace turnlight::studies {
+namespace {
+
+constexpr int kDraws = 20;
+constexpr int kScenesPerNumber = 3;  // a lump or a clean scene makes way for the next number
+constexpr std::uint64_t kNoiseStream = std::uint64_t{1} << 52;
+
+bool Fits(const rig::SyntheticConfig& config) {
+  return !std::holds_alternative<rig::Blob>(config.target) && config.sensor.noise_relative >= 0.002;
+}
+
+// Numbers 3 i, 3 i + 1, 3 i + 2, the first that fits.
+Result<rig::SyntheticConfig> CoverageScene(int scene) {
+  for (int i = 0; i < kScenesPerNumber; ++i) {
+    auto config = RandomScene(static_cast<std::uint64_t>(scene * kScenesPerNumber + i));
+    if (config && Fits(*config)) return config;
+  }
+  return InputError("none of its three numbers has noise and is no lump");
+}
+
+// The pictures without noise, and the sensor that photographs them again and again.
+class Camera {
+ public:
+  static Result<Camera> Build(const rig::SyntheticConfig& config) {
+    auto studio = rig::BuildStudio(config);
+    if (!studio) return Forward(studio);
+    Camera camera(config, std::move(*studio));
+    for (int i = 0; i < config.motion.frames; ++i) {
+      camera.placements_.push_back(rig::PlaceAt(config.motion, i * config.motion.step_deg));
+      camera.renderings_.push_back(rig::RenderPlacement(camera.studio_, camera.placements_.back()));
+    }
+    return camera;
+  }
+
+  rig::SyntheticSession Draw(int draw) const {
+    rig::SyntheticSession session{
+        studio_.camera, studio_.target, studio_.radiometry, {}, studio_.scene};
+    for (std::size_t i = 0; i < placements_.size(); ++i) {
+      const RandomStream random(config_.seed,
+                                kNoiseStream + static_cast<std::uint64_t>(draw) * 1000 + i);
+      session.frames.push_back(
+          {rig::Photograph(config_.sensor, studio_.radiometry, {}, random, renderings_[i].radiance),
+           renderings_[i].coverage > 0.0f, placements_[i].X_WC, placements_[i].X_WT, 0.0,
+           calib::Exposure{}});
+    }
+    return session;
+  }
+
+ private:
+  Camera(rig::SyntheticConfig config, rig::Studio studio)
+      : config_(std::move(config)), studio_(std::move(studio)) {}
+  rig::SyntheticConfig config_;
+  rig::Studio studio_;
+  std::vector<rig::Placement> placements_;
+  std::vector<estimator::Rendering> renderings_;
+};
+
+// A light's direction errors of all draws, in the tangent plane of the truth.
+struct Tangent {
+  std::vector<Eigen::Vector2d> errors;  // radians
+  std::vector<double> sigmas;           // radians; NaN where null
+};
+
+// The stated sigma of a direction is that of its worst axis. Which axis that is the other draws
+// tell: the principal axis of their errors. Then the error along it is one number with one sigma.
+std::vector<double> AlongWorstAxis(const Tangent& tangent) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < tangent.errors.size(); ++i) {
+    Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+    for (std::size_t j = 0; j < tangent.errors.size(); ++j)
+      if (j != i) scatter += tangent.errors[j] * tangent.errors[j].transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter);
+    out.push_back(solver.eigenvectors().col(1).dot(tangent.errors[i]) / tangent.sigmas[i]);
+  }
+  return out;
+}
+
+// What the draws add up to: per quantity its errors in sigmas, signed.
+class Collector {
+ public:
+  explicit Collector(const estimator::Scene& truth) : truth_(truth) {}
+
+  // False if the count is wrong: then nothing can be compared.
+  bool Add(const Json& result) {
+    const Json record = Score(truth_, result);
+    if (!record["right"].get<bool>()) return false;
+    std::vector<Eigen::Vector3d> truth, found;
+    for (const estimator::Light& light : truth_.lights) truth.push_back(light.direction);
+    for (const Json& light : result["lights"]) {
+      const Json& d = light["direction"];
+      found.emplace_back(d[0].get<double>(), d[1].get<double>(), d[2].get<double>());
+    }
+    for (const Match& match : MatchLights(truth, found))
+      AddDirection(static_cast<int>(match.truth), truth[match.truth], found[match.found],
+                   result["lights"][match.found]["direction_sigma_deg"]);
+    for (const Json& json : record["quantities"]) {
+      const Quantity quantity = QuantityFromJson(json);
+      if (quantity.name == "direction" || quantity.name == "distance") continue;
+      // A distant light's rho has its truth at the bound of 0: half of its errors are 0.
+      const bool at_bound = quantity.name == "inverse_distance" && quantity.truth == 0.0;
+      Values& values = values_[{quantity.name + (at_bound ? "_distant" : ""), quantity.light}];
+      const double sigma = quantity.sigma.value_or(NAN);
+      values.in_sigmas.push_back(quantity.Error() / sigma);
+      if (quantity.sigma_stat)
+        values.in_stat_sigmas.push_back(quantity.Error() / *quantity.sigma_stat);
+    }
+    return true;
+  }
+
+  // [[name, light, [errors in sigma_total], [errors in sigma_stat]], ...]
+  Json ToJson() const {
+    Json json = Json::array();
+    for (const auto& [key, values] : values_)
+      json.push_back(
+          {key.first, key.second, Short(values.in_sigmas), Short(values.in_stat_sigmas)});
+    for (const auto& [light, tangent] : directions_)
+      json.push_back({"direction", light, Short(AlongWorstAxis(tangent)), Json::array()});
+    return json;
+  }
+
+ private:
+  struct Values {
+    std::vector<double> in_sigmas, in_stat_sigmas;
+  };
+
+  static Json Short(const std::vector<double>& values) {
+    Json json = Json::array();
+    for (const double value : values) json.push_back(Rounded(value, 3));
+    return json;
+  }
+
+  void AddDirection(int light, const Eigen::Vector3d& truth, const Eigen::Vector3d& found,
+                    const Json& sigma_deg) {
+    const Eigen::Vector3d across = truth.unitOrthogonal(), up = truth.cross(across);
+    Tangent& tangent = directions_[light];
+    tangent.errors.emplace_back(across.dot(found), up.dot(found));
+    tangent.sigmas.push_back(sigma_deg.is_number() ? DegToRad(sigma_deg.get<double>()) : NAN);
+  }
+
+  const estimator::Scene& truth_;
+  std::map<std::pair<std::string, int>, Values> values_;
+  std::map<int, Tangent> directions_;
+};
+
+Json Cover(int scene) {
+  const auto config = CoverageScene(scene);
+  if (!config) return Json{{"left_out", config.error().text}};
+  const auto camera = Camera::Build(*config);
+  if (!camera) return Json{{"failed", camera.error().text}};
+  const estimator::Scene truth = camera->Draw(0).scene;
+  Collector collector(truth);
+  int wrong = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto result = EstimateSynthetic(camera->Draw(draw));
+    if (!result || !collector.Add(*result)) ++wrong;
+  }
+  Json record = Describe(*config);
+  record["lights_true"] = truth.lights.size();
+  record["draws"] = kDraws;
+  record["wrong_counts"] = wrong;
+  record["errors"] = collector.ToJson();
+  return record;
+}
+
+}  // namespace
+
+std::vector<Job> CoverageJobs(Range scenes) {
+  std::vector<Job> jobs;
+  for (int i = scenes.begin; i < scenes.end; ++i) {
+    char id[32];
+    std::snprintf(id, sizeof id, "coverage/%04d", i);
+    jobs.push_back({id, [i] { return Cover(i); }});
+  }
+  return jobs;
+}
+
+}  // namespace turnlight::studies

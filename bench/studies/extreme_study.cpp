@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "bench/studies/extreme_cells.h"
+#include "bench/studies/score.h"
+#include "bench/studies/studies.h"
+#include "bench/studies/take.h"
+
+namespace turnlight::studies {
+namespace {
+
+// Two lights closer than this share of the lobe's width may be taken for one.
+constexpr double kOneLight = 0.2;
+
+bool Close(const estimator::Light& a, const estimator::Light& b, double angle) {
+  return a.direction.dot(b.direction) >= std::cos(angle) &&
+         std::abs(a.inverse_distance - b.inverse_distance) < 1e-9;
+}
+
+// What of the truth can be known: a light that a surface does not reflect is none, and lights at
+// (nearly, if the estimate found fewer) the same place are one.
+void KeepKnowable(estimator::Scene& scene, std::size_t found) {
+  if (scene.reflectance.diffuse == 0.0 && scene.reflectance.specular == 0.0) scene.lights.clear();
+  const double width = 2.0 * std::acos(std::exp2(-1.0 / scene.reflectance.shininess));
+  const double angle = found < scene.lights.size() ? kOneLight * width : 1e-7;
+  std::vector<estimator::Light> merged;
+  for (const estimator::Light& light : scene.lights) {
+    const auto same = std::find_if(merged.begin(), merged.end(),
+                                   [&](const auto& other) { return Close(light, other, angle); });
+    if (same == merged.end()) {
+      merged.push_back(light);
+      continue;
+    }
+    same->direction =
+        (same->intensity * same->direction + light.intensity * light.direction).normalized();
+    same->intensity += light.intensity;
+  }
+  scene.lights = merged;
+}
+
+// A result without a number where one must be.
+bool HasNan(const Json& result) {
+  for (const Json& light : result["lights"])
+    for (const char* key : {"direction", "inverse_distance", "intensity"})
+      if (light[key].is_null() || (light[key].is_array() && light[key][0].is_null())) return true;
+  return result["residual"]["rms"].is_null() || result["reflectance"]["diffuse"].is_null() ||
+         result["reflectance"]["ambient"].is_null();
+}
+
+Json EstimateCell(const ExtremeCell& cell) {
+  auto session = cell.make();
+  if (!session) return Json{{"failed", session.error().text}};
+  Json record{{"group", cell.group}, {"setting", cell.setting}};
+  const auto result = EstimateSynthetic(*session);
+  if (!result) {  // an answer: there is nothing to estimate, and why
+    record["refused"] = record["say"] = result.error().text;
+    return record;
+  }
+  record["nan"] = HasNan(*result);
+  if (record["nan"].get<bool>()) return record;
+  KeepKnowable(session->scene, (*result)["lights"].size());
+  return Joined(record, Score(session->scene, *result));
+}
+
+}  // namespace
+
+std::vector<Job> ExtremeJobs() {
+  std::vector<Job> jobs;
+  for (const ExtremeCell& cell : ExtremeCells()) {
+    char id[96];
+    std::snprintf(id, sizeof id, "%03zu/%s/%s", jobs.size(), cell.group.c_str(),
+                  cell.setting.c_str());
+    jobs.push_back({id, [cell] { return EstimateCell(cell); }});
+  }
+  return jobs;
+}
+
+}  // namespace turnlight::studies
