@@ -188,7 +188,8 @@ ordered_json NotesToJson(const Estimate& estimate) {
     json.push_back(ordered_json{{"code", note.code}, {"text", note.text}});
   };
   for (const estimator::Note& note : estimate.notes) add(note);
-  for (const estimator::Note& note : NotesOnNulls(estimate)) add(note);
+  if (estimate.has_sigmas)
+    for (const estimator::Note& note : NotesOnNulls(estimate)) add(note);
   return json;
 }
 
@@ -219,7 +220,7 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
   json["identifiability"] =
       ordered_json{{"condition", ToJson(estimate.condition)}, {"weak", estimate.weak}};
   json["notes"] = NotesToJson(estimate);
-  NoteNullSigmas(estimate, json);
+  if (estimate.has_sigmas) NoteNullSigmas(estimate, json);
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;
@@ -228,6 +229,11 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
                                 {"initial", estimate.initial_s},
                                 {"solve", estimate.solve_s},
                                 {"total", times.total_s}};
+  if (method == "paper") {
+    json["x-residual-history"] = ordered_json::array();
+    for (const estimator::IterationRecord& record : estimate.history)
+      json["x-residual-history"].push_back(ToJson(record.rms));
+  }
   return json;
 }
 

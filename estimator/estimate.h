@@ -13,6 +13,7 @@
 #include "estimator/intensity_map.h"
 #include "estimator/keyframe.h"
 #include "estimator/model_selection.h"
+#include "estimator/paper_method.h"
 #include "estimator/scene.h"
 
 namespace turnlight::estimator {
@@ -29,6 +30,8 @@ struct EstimateOptions {
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<Scene> warm_start;
   int max_iterations = 100;  // of each full solve
+  // Given: the published method instead; everything above is ignored.
+  std::optional<PaperOptions> paper;
 };
 
 struct LightEstimate {
@@ -69,6 +72,7 @@ struct Estimate {
   std::vector<LightEstimate> lights;  // strongest first; the strongest has intensity 1
   Reflectance reflectance;            // max(albedo) = 1; specular_model kNone if none was found
   ReflectanceSigma sigma;
+  bool has_sigmas = true;  // false: the method states none, and all are NaN
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
   Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();  // in W: centroid of what was observed
