@@ -8,6 +8,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -270,27 +271,42 @@ TEST(PaperDescentTest, NeverRaisesTheCostAndKeepsTheRanges) {
   }
 }
 
+// Where n.l changes its sign the highlight, which has no factor n.l, jumps: a pixel that passes
+// there moves the cost by a step, at which a descent may end before its time. Pictures have enough
+// pixels for the steps to be small; a thousand points have not.
+void LeaveOutTerminators(const std::vector<Vector3d>& directions, Observations& all) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all.pixel[i] == Observations::kNoPixel) continue;
+    const Vector3d normal(all.normal[0][i], all.normal[1][i], all.normal[2][i]);
+    const auto near = [&](const Vector3d& u) { return std::abs(normal.dot(u)) < 0.15; };
+    if (std::none_of(directions.begin(), directions.end(), near)) continue;
+    all.pixel[i] = Observations::kNoPixel;
+    --all.used;
+  }
+}
+
 TEST(PaperDescentTest, FindsASceneOfItsModel) {
   const std::vector<Vector3d> directions = {FromAngles(30.0, 20.0), FromAngles(55.0, 200.0)};
   const Scene truth = PaperScene(directions, {9.0, 14.0}, 10.0);
-  const RandomObservations random(3000, 3, 3, &truth);
-  const PaperProblem problem(random.observations, directions, 10.0);
+  Observations observations = RandomObservations(1000, 3, 3, &truth).observations;
+  LeaveOutTerminators(directions, observations);
+  const PaperProblem problem(observations, directions, 10.0);
   const PaperDescent few = Descend(problem, problem.Start(), 228);
-  EXPECT_LT(few.cost_history.back(), 1e-3 * few.cost_history.front());
+  EXPECT_LT(few.cost_history.back(), 3e-3 * few.cost_history.front());
   // Steepest descent arrives slowly; with time it does.
   const PaperDescent many = Descend(problem, problem.Start(), 20000);
   EXPECT_LT(many.cost_history.back(), 1e-5 * many.cost_history.front());
   const Scene found = problem.ToScene(many.variables);
   const Reflectance &r = found.reflectance, &t = truth.reflectance;
-  EXPECT_NEAR(r.shininess, t.shininess, 0.05 * t.shininess);
+  EXPECT_NEAR(r.shininess, t.shininess, 0.01 * t.shininess);
   for (int c = 0; c < 3; ++c)
-    EXPECT_NEAR(r.albedo[c] * r.ambient, t.albedo[c] * t.ambient, 0.05 * t.albedo[c] * t.ambient);
+    EXPECT_NEAR(r.albedo[c] * r.ambient, t.albedo[c] * t.ambient, 0.01 * t.albedo[c] * t.ambient);
   for (std::size_t l = 0; l < 2; ++l) {
     const double specular = t.specular * truth.lights[l].intensity;
-    EXPECT_NEAR(r.specular * found.lights[l].intensity, specular, 0.05 * specular);
+    EXPECT_NEAR(r.specular * found.lights[l].intensity, specular, 0.01 * specular);
     for (int c = 0; c < 3; ++c) {
       const double product = t.albedo[c] * t.diffuse * truth.lights[l].intensity;
-      EXPECT_NEAR(r.albedo[c] * r.diffuse * found.lights[l].intensity, product, 0.05 * product);
+      EXPECT_NEAR(r.albedo[c] * r.diffuse * found.lights[l].intensity, product, 0.01 * product);
     }
   }
 }
