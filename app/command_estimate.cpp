@@ -40,9 +40,16 @@ void AddEstimate(CLI::App& program, Action& action) {
       ->type_name("DIR");
   command
       ->add_option("--method", arguments->options.method,
-                   "lm (default): least squares over all parameters together")
+                   "lm (default): least squares over all parameters together; paper: the published "
+                   "baseline, lights' directions from the intensity map and steepest descent")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"lm"}));
+      ->check(CLI::IsMember({"lm", "paper"}));
+  command
+      ->add_option("--ceiling-distance", arguments->options.ceiling_distance_m,
+                   "With --method paper: the distance that its lights start from and that says how "
+                   "bright they are, in metres (default 2.5)")
+      ->type_name("METRES")
+      ->check(CLI::Range(1e-6, 1e6));
   command
       ->add_option("--views", arguments->options.views,
                    "Use N frames spread over the session's F: frames floor(i F / N)")

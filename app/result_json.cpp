@@ -60,7 +60,7 @@ ordered_json ModelToJson(const Estimate& estimate) {
   return json;
 }
 
-ordered_json LightToJson(const LightEstimate& estimate, const estimator::LightSigma& stat) {
+ordered_json LightToJson(const LightEstimate& estimate, const estimator::LightSigma* stat) {
   ordered_json json;
   json["direction"] = ToJson(estimate.light.direction);
   json["direction_sigma_deg"] = ToJson(RadToDeg(estimate.direction_sigma));
@@ -75,13 +75,14 @@ ordered_json LightToJson(const LightEstimate& estimate, const estimator::LightSi
   json["intensity"] = ToJson(estimate.light.intensity);
   json["intensity_sigma"] = ToJson(estimate.intensity_sigma);
   if (estimate.light.color != Eigen::Vector3d::Ones()) json["color"] = ToJson(estimate.light.color);
+  if (stat == nullptr) return json;
   // The statistical part of the sigmas above.
   json["stat"] = ordered_json{
-      {"direction_sigma_deg", ToJson(RadToDeg(stat.direction))},
-      {"inverse_distance_sigma", ToJson(stat.inverse_distance)},
-      {"distance_sigma", estimate.distance ? ToJson(stat.distance) : ordered_json(nullptr)},
+      {"direction_sigma_deg", ToJson(RadToDeg(stat->direction))},
+      {"inverse_distance_sigma", ToJson(stat->inverse_distance)},
+      {"distance_sigma", estimate.distance ? ToJson(stat->distance) : ordered_json(nullptr)},
       {"intensity_sigma",
-       estimate.intensity_sigma ? ToJson(stat.intensity) : ordered_json(nullptr)}};
+       estimate.intensity_sigma ? ToJson(stat->intensity) : ordered_json(nullptr)}};
   return json;
 }
 
@@ -108,7 +109,7 @@ ordered_json SigmaToJson(const Estimate& estimate) {
     const auto roughness = estimate.sigma.roughness;
     json["roughness_deg"] = roughness ? ToJson(RadToDeg(*roughness)) : ordered_json(nullptr);
   }
-  json["stat"] = StatToJson(estimate);
+  if (estimate.has_sigmas) json["stat"] = StatToJson(estimate);
   return json;
 }
 
@@ -141,6 +142,7 @@ ordered_json ProductsToJson(const Estimate& estimate) {
     json["specular"].push_back(ToJson(light.specular_product));
     json["specular_sigma"].push_back(ToJson(light.specular_product_sigma));
   }
+  if (!estimate.has_sigmas) return json;
   ordered_json& stat = json["stat"];
   for (const char* key : {"diffuse_sigma", "specular_sigma"}) stat[key] = ordered_json::array();
   stat["ambient_sigma"] = ToJson(estimate.stat.ambient_product);
@@ -219,7 +221,8 @@ ordered_json NotesToJson(const Estimate& estimate) {
     json.push_back(ordered_json{{"code", note.code}, {"text", note.text}});
   };
   for (const estimator::Note& note : estimate.notes) add(note);
-  for (const estimator::Note& note : NotesOnNulls(estimate)) add(note);
+  if (estimate.has_sigmas)
+    for (const estimator::Note& note : NotesOnNulls(estimate)) add(note);
   return json;
 }
 
@@ -242,7 +245,8 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
   json["model"] = ModelToJson(estimate);
   json["lights"] = ordered_json::array();
   for (std::size_t i = 0; i < estimate.lights.size(); ++i)
-    json["lights"].push_back(LightToJson(estimate.lights[i], estimate.stat.lights[i]));
+    json["lights"].push_back(
+        LightToJson(estimate.lights[i], estimate.has_sigmas ? &estimate.stat.lights[i] : nullptr));
   json["reflectance"] = ReflectanceToJson(estimate);
   json["products"] = ProductsToJson(estimate);
   json["residual"] = ordered_json{{"initial_rms", ToJson(estimate.initial_rms)},
@@ -251,7 +255,7 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
   json["identifiability"] =
       ordered_json{{"condition", ToJson(estimate.condition)}, {"weak", estimate.weak}};
   json["notes"] = NotesToJson(estimate);
-  NoteNullSigmas(estimate, json);
+  if (estimate.has_sigmas) NoteNullSigmas(estimate, json);
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;
@@ -260,6 +264,11 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
                                 {"initial", estimate.initial_s},
                                 {"solve", estimate.solve_s},
                                 {"total", times.total_s}};
+  if (method == "paper") {
+    json["x-residual-history"] = ordered_json::array();
+    for (const estimator::IterationRecord& record : estimate.history)
+      json["x-residual-history"].push_back(ToJson(record.rms));
+  }
   return json;
 }
 

@@ -16,7 +16,8 @@ struct RunTimes {
 
 // Keys in the design's order; numbers read back to the same bits. What the data do not determine is
 // null, and a note says why. `color` stands in a light only if it is not white, `roughness_deg` in
-// the reflectance only for Oren-Nayar.
+// the reflectance only for Oren-Nayar. "x-residual-history", of method "paper" only: the residual's
+// rms at the start and after every iteration.
 nlohmann::ordered_json ResultToJson(const estimator::Estimate& estimate,
                                     const std::string& session_name, const std::string& method,
                                     const RunTimes& times);

@@ -1,6 +1,7 @@
 #include "app/session_estimate.h"
 
 #include <chrono>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -60,7 +61,47 @@ Result<std::vector<estimator::Keyframe>> LoadKeyframes(const rig::Session& sessi
   return keyframes;
 }
 
+// Metres to the session's unit.
+Result<double> FromMetres(double metres, const std::string& length_unit) {
+  static const std::map<std::string, double> kMetres = {{"um", 1e-6},   {"mm", 1e-3},  {"cm", 1e-2},
+                                                        {"dm", 0.1},    {"m", 1.0},    {"km", 1e3},
+                                                        {"in", 0.0254}, {"ft", 0.3048}};
+  const auto unit = kMetres.find(length_unit);
+  if (unit != kMetres.end()) return metres / unit->second;
+  std::string known;
+  for (const auto& [name, value] : kMetres) known += (known.empty() ? "" : ", ") + name;
+  return InputError(
+      "--ceiling-distance: metres cannot be converted to the session's length_unit \"" +
+      length_unit + "\", known are " + known);
+}
+
+Status CheckMethod(const SessionEstimateOptions& given) {
+  const bool paper = given.method == "paper";
+  if (paper && !given.initial.empty())
+    return InputError(
+        "--initial: not with --method paper, which takes its start from the pictures");
+  if (!paper && given.ceiling_distance_m)
+    return InputError("--ceiling-distance: with --method paper only; " + given.method +
+                      " finds distances from the pictures");
+  return {};
+}
+
+// What the paper's method needs to know of the session.
+Result<estimator::PaperOptions> MakePaperOptions(const SessionEstimateOptions& given,
+                                                 const rig::Session& session,
+                                                 const std::vector<estimator::Keyframe>& keyframes,
+                                                 const estimator::Geometry& geometry) {
+  const auto distance =
+      FromMetres(given.ceiling_distance_m.value_or(kCeilingDistanceM), session.length_unit);
+  if (!distance) return Forward(distance);
+  estimator::PaperOptions options;
+  options.ceiling_distance = *distance;
+  options.up = estimator::PaperUp(keyframes, geometry);
+  return options;
+}
+
 Result<estimator::EstimateOptions> MakeOptions(const SessionEstimateOptions& given) {
+  if (const Status status = CheckMethod(given); !status) return Forward(status);
   estimator::EstimateOptions options;
   if (given.initial.empty()) return options;
   auto guess = rig::ReadInitialGuess(given.initial);
@@ -82,7 +123,7 @@ Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstim
   const InterruptAtOnce nothing_written;
   auto session = rig::ReadSession(folder);
   if (!session) return Forward(session);
-  const auto estimator_options = MakeOptions(options);
+  auto estimator_options = MakeOptions(options);
   if (!estimator_options) return Forward(estimator_options);
   const auto chosen = ChooseFrames(*session, options.views);
   if (!chosen) return Forward(chosen);
@@ -92,6 +133,11 @@ Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstim
   if (!keyframes) return Forward(keyframes);
   estimator::Geometry geometry(std::move(*shape));
   const calib::RayGrid rays(*session->camera);
+  if (options.method == "paper") {
+    const auto paper = MakePaperOptions(options, *session, *keyframes, geometry);
+    if (!paper) return Forward(paper);
+    estimator_options->paper = *paper;
+  }
   const double load_s = SecondsSince(start);
   auto output = estimator::EstimateScene(*keyframes, geometry, rays, *estimator_options);
   if (!output) return Forward(output);

@@ -10,10 +10,14 @@
 
 namespace turnlight::app {
 
+// d0 of the paper's method: the height of a ceiling.
+inline constexpr double kCeilingDistanceM = 2.5;
+
 struct SessionEstimateOptions {
-  std::optional<int> views;  // frames floor(i F / N)
-  std::string initial;       // a truth.json or result.json; empty: none
-  std::string method = "lm";
+  std::optional<int> views;                  // frames floor(i F / N)
+  std::string initial;                       // a truth.json or result.json; empty: none
+  std::string method = "lm";                 // or "paper"
+  std::optional<double> ceiling_distance_m;  // of "paper" only; metres
   bool pictures = true;
 };
 

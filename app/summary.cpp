@@ -64,9 +64,11 @@ std::string DistanceText(const LightEstimate& light, const std::string& unit) {
 
 std::string LightText(const LightEstimate& light, const std::string& unit) {
   const Eigen::Vector3d& u = light.light.direction;
-  return Format("(%+.4f, %+.4f, %+.4f)", u.x(), u.y(), u.z()) + kPlusMinus +
-         Format("%.2g\u00b0", RadToDeg(light.direction_sigma)) + "   " + DistanceText(light, unit) +
-         "   intensity " + Measure(light.light.intensity, light.intensity_sigma.value_or(0.0));
+  const bool has_sigma = std::isfinite(light.direction_sigma);
+  return Format("(%+.4f, %+.4f, %+.4f)", u.x(), u.y(), u.z()) +
+         (has_sigma ? kPlusMinus + Format("%.2g\u00b0", RadToDeg(light.direction_sigma)) : "") +
+         "   " + DistanceText(light, unit) + "   intensity " +
+         Measure(light.light.intensity, light.intensity_sigma.value_or(0.0));
 }
 
 std::string ReflectanceText(const Estimate& estimate) {

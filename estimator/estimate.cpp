@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/angles.h"
+#include "estimator/paper_estimate.h"
 #include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
@@ -158,7 +159,7 @@ void FillSigmas(const Uncertainty& sigma, double specular_limit, Estimate& out) 
   out.weak = sigma.weak;
 }
 
-void AddNotes(Estimate& out) {
+void AddViewsNote(Estimate& out) {
   if (out.distinct_views < out.views)
     out.notes.push_back(
         {"views-add-nothing",
@@ -166,6 +167,10 @@ void AddNotes(Estimate& out) {
              " views differ by more than noise; the others add nothing but a lower "
              "noise. A homogeneous body of revolution on the axis looks the same at "
              "every angle: use another target, tilt it, or move the camera."});
+}
+
+void AddNotes(Estimate& out) {
+  AddViewsNote(out);
   if (out.reflectance.specular_model == SpecularModel::kNone)
     out.notes.push_back(
         {"no-highlight",
@@ -274,6 +279,16 @@ Scene FindStart(const Observations& all, const EstimateOptions& options, double 
   return candidate.scene;
 }
 
+Result<Estimate> EstimateByPaper(const Observations& all, const IntensityMap& map,
+                                 const PaperOptions& options, Refined* refined) {
+  auto solution = SolveByPaper(all, map, options);
+  if (!solution) return Forward(solution);
+  Estimate estimate;
+  FillFromPaper(all, *solution, options, estimate);
+  if (refined) refined->solution.scene = std::move(solution->scene);
+  return estimate;
+}
+
 }  // namespace
 
 Result<Estimate> EstimateObservations(const Observations& all,
@@ -295,6 +310,17 @@ Result<Estimate> EstimateObservations(const Observations& all,
   IntensityMap own_map;
   IntensityMap& used_map = map ? *map : own_map;
   if (map || !options.warm_start) used_map = MakeIntensityMap(all);
+  if (options.paper) {
+    const double mapped = Seconds();
+    auto by_paper = EstimateByPaper(all, used_map, *options.paper, refined);
+    if (!by_paper) return by_paper;
+    by_paper->views = static_cast<int>(signatures.size());
+    by_paper->distinct_views = DistinctViews(signatures, noise);
+    AddViewsNote(*by_paper);
+    by_paper->initial_s = mapped - begin;
+    by_paper->solve_s = Seconds() - mapped;
+    return by_paper;
+  }
   const Scene start = FindStart(all, options, noise, used_map, estimate);
   const double started = Seconds();
   Refined result = Refine(all, start, noise, options.max_iterations, estimate.ladder);

@@ -13,6 +13,7 @@
 #include "estimator/intensity_map.h"
 #include "estimator/keyframe.h"
 #include "estimator/model_selection.h"
+#include "estimator/paper_method.h"
 #include "estimator/scene.h"
 #include "estimator/uncertainty.h"
 
@@ -30,6 +31,8 @@ struct EstimateOptions {
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<Scene> warm_start;
   int max_iterations = 100;  // of each full solve
+  // Given: the published method instead; everything above is ignored.
+  std::optional<PaperOptions> paper;
 };
 
 // Sigmas are sigma_total: see uncertainty.h.
@@ -72,6 +75,7 @@ struct Estimate {
   Reflectance reflectance;            // max(albedo) = 1; specular_model kNone if none was found
   ReflectanceSigma sigma;             // total, as all sigmas here
   Uncertainty stat;                   // their statistical parts, lights in the same order
+  bool has_sigmas = true;             // false: the method states none, and all are NaN
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
   Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();  // in W: centroid of what was observed

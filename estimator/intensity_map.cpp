@@ -13,12 +13,6 @@ namespace {
 constexpr int kRows = 180, kColumns = 360;
 constexpr float kUnseen = std::numeric_limits<float>::quiet_NaN();
 
-Eigen::Vector3d CellDirection(int row, int column) {
-  const double zenith = DegToRad(row + 0.5), azimuth = DegToRad(column + 0.5);
-  return {std::sin(zenith) * std::cos(azimuth), std::sin(zenith) * std::sin(azimuth),
-          std::cos(zenith)};
-}
-
 struct Cells {
   cv::Mat1d sum = cv::Mat1d::zeros(kRows, kColumns);
   cv::Mat1d count = cv::Mat1d::zeros(kRows, kColumns);
@@ -48,14 +42,14 @@ float Smoothed(const Cells& cells, int row, int column, double sigma_deg) {
   const double sine = std::sin(DegToRad(row + 0.5));
   const int wide =
       std::min(static_cast<int>(std::ceil(reach / std::max(sine, 1e-3))), kColumns / 2);
-  const Eigen::Vector3d here = CellDirection(row, column);
+  const Eigen::Vector3d here = MapDirection(row, column);
   const double falloff = 0.5 / (DegToRad(sigma_deg) * DegToRad(sigma_deg));
   double sum = 0.0, weights = 0.0;
   for (int r = std::max(row - reach, 0); r <= std::min(row + reach, kRows - 1); ++r)
     for (int d = -wide; d < wide; ++d) {
       const int c = (column + d + kColumns) % kColumns;
       if (cells.count(r, c) == 0.0) continue;
-      const double squared = (CellDirection(r, c) - here).squaredNorm();
+      const double squared = (MapDirection(r, c) - here).squaredNorm();
       const double weight = std::exp(-falloff * squared);
       sum += weight * cells.sum(r, c);
       weights += weight * cells.count(r, c);
@@ -64,6 +58,12 @@ float Smoothed(const Cells& cells, int row, int column, double sigma_deg) {
 }
 
 }  // namespace
+
+Eigen::Vector3d MapDirection(int row, int column) {
+  const double zenith = DegToRad(row + 0.5), azimuth = DegToRad(column + 0.5);
+  return {std::sin(zenith) * std::cos(azimuth), std::sin(zenith) * std::sin(azimuth),
+          std::cos(zenith)};
+}
 
 IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg) {
   const Cells cells = Plot(observations);
@@ -87,7 +87,7 @@ std::vector<MapPoint> HighIntensityArea(const IntensityMap& map, double share) {
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
       const double value = static_cast<double>(map.intensity(row, column));
-      if (value >= threshold) points.push_back({CellDirection(row, column), value});
+      if (value >= threshold) points.push_back({MapDirection(row, column), value});
     }
   std::stable_sort(points.begin(), points.end(),
                    [](const MapPoint& a, const MapPoint& b) { return a.intensity > b.intensity; });

@@ -19,6 +19,9 @@ struct IntensityMap {
 // Then a Gaussian of sigma_deg on the sphere (wide enough to close the gaps between samples).
 IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg = 2.0);
 
+// The direction in W at the middle of a cell.
+Eigen::Vector3d MapDirection(int row, int column);
+
 // A direction in W and the map's value there.
 struct MapPoint {
   Eigen::Vector3d direction;

@@ -83,7 +83,8 @@ struct KernelScene {
   KernelModel model{};
   std::vector<kernel::KernelLight> lights;
 
-  KernelScene(const Observations& observations, const Scene& scene, double huber) {
+  KernelScene(const Observations& observations, const Scene& scene,
+              const EvaluateOptions& options) {
     for (const Light& light : scene.lights) {
       const Eigen::Matrix<double, 3, 2> basis = TangentBasis(light.direction);
       kernel::KernelLight& out = lights.emplace_back();
@@ -110,7 +111,8 @@ struct KernelScene {
     model.specular = r.specular;
     model.shininess = r.shininess;
     model.specular_model = KernelSpecular(r.specular_model);
-    model.huber = huber;
+    model.huber = options.huber;
+    model.gradient_only = options.gradient_only;
     FillOrenNayar(model, r);
     FillQuadrature(model);
     model.l11 = std::sqrt(std::max(square, 1e-30));
@@ -189,7 +191,7 @@ NormalEquations Assemble(const KernelModel& model, const KernelSums& sums) {
 template <typename Real, typename Function>
 NormalEquations EvaluateWith(const Observations& observations, const Scene& scene,
                              const EvaluateOptions& options, Function accumulate) {
-  const KernelScene kernel_scene(observations, scene, options.huber);
+  const KernelScene kernel_scene(observations, scene, options);
   const int n = kernel_scene.model.Shared();
   const std::size_t chunks = (observations.tiles() + kTilesPerChunk - 1) / kTilesPerChunk;
   std::vector<ChunkSums> parts;
@@ -250,7 +252,7 @@ NormalEquations EvaluateDouble(const Observations& observations, const Scene& sc
 
 std::vector<std::vector<float>> Predict(const Observations& observations, const Scene& scene,
                                         const EvaluateOptions& options) {
-  const KernelScene kernel_scene(observations, scene, 0.0);
+  const KernelScene kernel_scene(observations, scene, {});
   std::vector<std::vector<float>> out(static_cast<std::size_t>(observations.channels),
                                       std::vector<float>(observations.size()));
   const std::size_t chunks = (observations.tiles() + kTilesPerChunk - 1) / kTilesPerChunk;

@@ -54,6 +54,8 @@ struct EvaluateOptions {
   Shadows shadows;
   // Scale of Huber's loss on the root-mean-square residual of a pixel, in radiance; 0: squares.
   double huber = 0.0;
+  // Cost and gradient are enough: the hessian is left without meaning.
+  bool gradient_only = false;
 };
 
 // scene is in the observations' coordinates (about the reference, lengths / R), lights white.

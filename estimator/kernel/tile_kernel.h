@@ -38,6 +38,7 @@ struct KernelModel {
   double oren_nayar_a, oren_nayar_b;    // A and B of Oren and Nayar
   double oren_nayar_da, oren_nayar_db;  // their derivatives by its square
   double huber;                         // 0: squares
+  bool gradient_only;                   // leave out the sums of products of rows
   // Gauss-Legendre nodes on [-1/2, 1/2] and weights (sum 1) for each number of samples per side.
   double node[kMaxSamples + 1][kMaxSamples];
   double weight[kMaxSamples + 1][kMaxSamples];

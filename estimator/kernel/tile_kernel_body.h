@@ -319,15 +319,16 @@ TURNLIGHT_INLINE void AddTile(const KernelModel& model, const Rows<Real>& rows, 
   Real* linear = sums + PairSums(n);
   for (int i = 0; i < n; ++i) {
     AddDot(linear + (3 * i) * kLanes, rows.A(i), rows.ResidualA());
+    if (specular) AddDot(linear + (3 * i) * kLanes, rows.B(i), rows.ResidualB());
+    if (model.gradient_only) continue;
     AddDot(linear + (3 * i + 1) * kLanes, rows.A(i), rows.Albedo());
-    if (!specular) continue;
-    AddDot(linear + (3 * i) * kLanes, rows.B(i), rows.ResidualB());
-    AddDot(linear + (3 * i + 2) * kLanes, rows.B(i), rows.Albedo());
+    if (specular) AddDot(linear + (3 * i + 2) * kLanes, rows.B(i), rows.Albedo());
   }
   Real* rest = linear + 3 * n * kLanes;
   AddDot(rest, rows.Albedo(), rows.Albedo());
   for (int c = 0; c < model.channels; ++c)
     AddDot(rest + (1 + c) * kLanes, rows.Albedo(), rows.Residual(c));
+  if (model.gradient_only) return;
   // Rows to pseudo-channels in place, then their products.
   const auto l11 = L::Splat(model.l11), l21 = L::Splat(model.l21), l22 = L::Splat(model.l22);
   for (int i = 0; i < n; ++i)

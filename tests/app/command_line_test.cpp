@@ -54,7 +54,7 @@ TEST(CommandLine, WrongUsageIsRefusedWithTheNearestWord) {
            Misuse{{"estimate"}, "SESSION is required"},
            Misuse{{"estimate", "s"}, "--out is required"},
            Misuse{{"estimate", "s", "--out", "o", "--views", "0"}, "--views"},
-           Misuse{{"estimate", "s", "--out", "o", "--method", "paper"}, "--method"},
+           Misuse{{"estimate", "s", "--out", "o", "--method", "magic"}, "--method"},
            Misuse{{"verify", "s", "--threads", "-1"}, "--threads"},
            Misuse{{"render", "s", "--params", "p", "--out", "o", "--samples", "33"}, "--samples"},
        }) {

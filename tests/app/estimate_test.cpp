@@ -1,11 +1,14 @@
 // Proves what `estimate` as a program adds to the estimator: result.json as the design describes
 // it, the same on standard output with --json, the same bytes (times aside) for any number of
-// threads, the frames that --views takes, starts from files, and that a result can be rendered.
-// Does not judge the estimate beyond "this is the light that was there"; tests/estimator does.
+// threads, the frames that --views takes, what --method paper writes, starts from files, and that a
+// result can be rendered. Does not judge the estimate beyond "this is the light that was there";
+// tests/estimator does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "tests/app/program.h"
 
@@ -13,8 +16,10 @@ namespace turnlight::app {
 namespace {
 
 using nlohmann::ordered_json;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::vector<std::string> Keys(const ordered_json& object) {
   std::vector<std::string> keys;
@@ -113,6 +118,58 @@ TEST_F(Estimate, AResultCanBeRendered) {
   const Outcome outcome = RunProgram(
       {"render", folder_ / "s", "--params", folder_ / "r/result.json", "--out", folder_ / "relit"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST_F(Estimate, ByThePaper) {
+  const Outcome outcome = RunEstimate("r", {"--method", "paper", "--ceiling-distance", "1.5"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("light 1"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("nan")));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "r/convergence.png"));
+  const ordered_json json = Result("r");
+  EXPECT_EQ(json["method"], "paper");
+  const ordered_json& history = json["x-residual-history"];
+  ASSERT_EQ(history.size(), json["iterations"].get<std::size_t>() + 1);
+  EXPECT_EQ(history.front(), json["residual"]["initial_rms"]);
+  EXPECT_EQ(history.back(), json["residual"]["rms"]);
+  for (std::size_t i = 1; i < history.size(); ++i) EXPECT_LT(history[i], history[i - 1]);
+  for (const ordered_json& light : json["lights"]) {
+    // 1.5 m in the session's mm.
+    EXPECT_NEAR(light["intensity"], std::pow(1500.0 / light["distance"].get<double>(), 2), 1e-9);
+    for (const char* key : {"direction_sigma_deg", "inverse_distance_sigma", "distance_sigma",
+                            "distance_min", "position_covariance", "intensity_sigma"})
+      EXPECT_TRUE(light[key].is_null()) << key;
+  }
+  std::vector<std::string> codes;
+  for (const ordered_json& note : json["notes"]) codes.push_back(note["code"]);
+  EXPECT_THAT(codes, Contains("distance-brightness-equivalent"));
+  EXPECT_THAT(codes, Contains("sigma-none"));
+  EXPECT_THAT(codes, Not(Contains("null-sigma")));
+  EXPECT_EQ(RunProgram({"render", folder_ / "s", "--params", folder_ / "r/result.json", "--out",
+                        folder_ / "relit"})
+                .exit_code,
+            0);
+}
+
+TEST_F(Estimate, RefusesWhatIsNotOfTheMethod) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--method", "best"}, "--method"},
+      {{"--ceiling-distance", "2"}, "--ceiling-distance: with --method paper only"},
+      {{"--method", "paper", "--ceiling-distance", "0"}, "--ceiling-distance"},
+      {{"--method", "paper", "--ceiling-distance", "-2"}, "--ceiling-distance"},
+      {{"--method", "paper", "--ceiling-distance", "high"}, "--ceiling-distance"},
+      {{"--method", "paper", "--initial", folder_ / "s/truth.json"}, "--initial: not with"}};
+  for (const auto& [words, message] : cases) {
+    const Outcome outcome = RunEstimate("r", words);
+    EXPECT_EQ(outcome.exit_code, 2) << words.back();
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  }
+  std::string session = ReadText(folder_ / "s/session.json");
+  session.replace(session.find("\"mm\""), 4, "\"ell\"");
+  WriteText(folder_ / "s/session.json", session);
+  const Outcome outcome = RunEstimate("r", {"--method", "paper"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("length_unit \"ell\""));
 }
 
 TEST_F(Estimate, NeverTouchesTheSession) {

@@ -318,6 +318,17 @@ TEST(RepeatabilityTest, SameBitsForAnyNumberOfThreads) {
   SetThreads(0);
 }
 
+TEST(RepeatabilityTest, SameBitsWithoutTheMatrix) {
+  const Scene scene = RandomScene(2, SpecularModel::kPhong, DiffuseModel::kLambert);
+  const RandomObservations all(100000, 3, 1);
+  EvaluateOptions options;
+  const NormalEquations full = Evaluate(all.observations, scene, options);
+  options.gradient_only = true;
+  const NormalEquations part = Evaluate(all.observations, scene, options);
+  EXPECT_EQ(full.cost, part.cost);
+  EXPECT_TRUE(full.gradient == part.gradient);
+}
+
 TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
   const kernel::KernelFunctions* all[3];
   const int count = kernel::RunnableKernels(all, 3);

@@ -1,0 +1,91 @@
+#include "estimator/paper_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "estimator/normal_equations.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+const Eigen::Vector3d kUnknownColor = Eigen::Vector3d::Constant(kUnknown);
+
+LightEstimate MakeLight(const Light& light, const Observations& observations,
+                        const Reflectance& reflectance) {
+  LightEstimate out;
+  out.light = light;
+  out.near = true;
+  out.direction_sigma = out.inverse_distance_sigma = kUnknown;
+  out.distance = 1.0 / light.inverse_distance;
+  out.position = light.direction / light.inverse_distance;
+  out.direction_at_reference = (*out.position - observations.reference).normalized();
+  out.diffuse_product = light.intensity * reflectance.diffuse * reflectance.albedo;
+  out.diffuse_product_sigma = kUnknownColor;
+  out.specular_product = light.intensity * reflectance.specular;
+  out.specular_product_sigma = kUnknown;
+  return out;
+}
+
+std::string CountText(const PaperSolution& solution) {
+  std::size_t cells = 0;
+  for (const PaperCluster& cluster : solution.clusters) cells += cluster.cells;
+  return std::to_string(solution.clusters.size()) + " clusters of " + std::to_string(cells) +
+         " cells of the intensity map that are at or above half of its range";
+}
+
+void AddPaperNotes(const PaperOptions& options, Estimate& out) {
+  char distance[32];
+  std::snprintf(distance, sizeof distance, "%.6g", options.ceiling_distance);
+  out.notes.push_back(
+      {"distance-brightness-equivalent",
+       std::string("The paper's lights have no intensity of their own: each is taken to be as "
+                   "bright as one that gives the irradiance 1 from the distance ") +
+           distance +
+           " (--ceiling-distance, in the session's unit). Distances and positions are those of "
+           "such a light, not metric."});
+  out.notes.push_back({"sigma-none",
+                       "The paper's method states no uncertainty: sigmas, distance_min and "
+                       "identifiability/condition are null. Directions are those of the intensity "
+                       "map's clusters and are not refined."});
+  if (out.channels == 1)
+    out.notes.push_back(
+        {"grey", "The pictures are grey: albedo and products repeat one value for R, G and B."});
+  if (out.stopped != "converged")
+    out.notes.push_back({"not-converged", "The descent reached its limit of iterations."});
+}
+
+}  // namespace
+
+void FillFromPaper(const Observations& observations, const PaperSolution& solution,
+                   const PaperOptions& options, Estimate& out) {
+  const Scene world = ToWorld(solution.scene, observations);
+  out.reflectance = world.reflectance;
+  out.reference_point = observations.reference;
+  out.channels = observations.channels;
+  for (const Light& light : world.lights)
+    out.lights.push_back(MakeLight(light, observations, world.reflectance));
+  std::stable_sort(out.lights.begin(), out.lights.end(),
+                   [](const LightEstimate& a, const LightEstimate& b) {
+                     return a.light.intensity > b.light.intensity;
+                   });
+  out.ambient_product = world.reflectance.ambient * world.reflectance.albedo;
+  out.ambient_product_sigma = kUnknownColor;
+  out.sigma.albedo = kUnknownColor;
+  out.sigma.ambient = out.sigma.diffuse = out.sigma.specular = kUnknown;
+  out.has_sigmas = false;
+  out.condition = kUnknown;
+  out.ladder.push_back({"lights", true, CountText(solution)});
+  for (const double cost : solution.descent.cost_history)
+    out.history.push_back({static_cast<int>(out.history.size()), std::sqrt(cost)});
+  out.initial_rms = out.history.front().rms;
+  out.rms = out.history.back().rms;
+  out.pixels = observations.used;
+  out.iterations = solution.descent.iterations;
+  out.stopped = solution.descent.converged ? "converged" : "iteration-limit";
+  AddPaperNotes(options, out);
+}
+
+}  // namespace turnlight::estimator
