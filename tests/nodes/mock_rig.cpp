@@ -1,7 +1,9 @@
 #include "mock_rig.h"
 
 #include <algorithm>
+#include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "nodes/calibration_node.h"
@@ -142,6 +144,34 @@ void Collect(graph::Graph& graph, const std::string& topic, std::vector<T>& list
   Expect(
       graph.Tap<T>(topic, [&list](const graph::Message<T>& message) { list.push_back(*message); }));
 }
+
+// A thread that asks a graph to stop once there is a keyframe, while the capture waits for it; it
+// is gone before the graph is.
+class StopFromOutside {
+ public:
+  StopFromOutside(graph::Graph& graph, std::optional<graph::StopMode> mode) {
+    if (!mode) return;
+    Expect(graph.Tap<Bracket>("keyframes.bracket", [this](const graph::Message<Bracket>&) {
+      WakeUp();
+      asked_.wait(false);
+    }));
+    thread_ = std::jthread([this, &graph, mode] {
+      awake_.wait(false);
+      graph.RequestStop(*mode);
+      asked_ = true;
+      asked_.notify_one();
+    });
+  }
+  ~StopFromOutside() { WakeUp(); }
+
+ private:
+  void WakeUp() {
+    awake_ = true;
+    awake_.notify_one();
+  }
+  std::atomic<bool> awake_{false}, asked_{false};
+  std::jthread thread_;
+};
 
 }  // namespace
 

@@ -32,12 +32,14 @@ struct MockRigOptions {
   std::filesystem::path session;
   FileOps* disk = &SystemFileOps();  // of the recorder
   std::string to_estimator = "policy: block, capacity: 64";
-  std::string estimator_params = "{every: 2}";
+  std::string estimator_params = "{every: 4}";
   std::filesystem::path log;
   std::filesystem::path replay;  // given: this log is replayed instead
   // Puts another camera in front of the simulated one.
   std::function<std::shared_ptr<rig::Camera>(std::shared_ptr<rig::Camera>)> wrap_camera;
   std::function<void(graph::Graph&)> before_run;
+  // Given: another thread asks for it once the first keyframe is there.
+  std::optional<graph::StopMode> stop_after_first;
 };
 MockRigOptions SmallCapture();
 // The same with all nodes.
