@@ -1,6 +1,7 @@
-// Proves: a capture in real time does not care what time of day it is. Here UTC jumps by a day, back
-// and forth, at every look at it; the frames are those of virtual time, none is taken twice, and
-// times never go back. Stands alone, because it puts its own clock in the place of the system's.
+// Proves: a capture in real time does not care what time of day it is. Here UTC jumps by a day,
+// back and forth, at every look at it; the frames are those of virtual time, none is taken twice,
+// and times never go back. Stands alone, because it puts its own clock in the place of the
+// system's.
 #include <gtest/gtest.h>
 #include <sys/syscall.h>
 #include <time.h>

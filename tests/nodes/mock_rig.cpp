@@ -212,8 +212,8 @@ const graph::ConnectionReport& MockRigRun::Connection(const std::string& from,
 }
 
 MockRigRun RunMockRig(const MockRigOptions& options) {
-  // The nodes' threads are what is tested here. And the thread sanitizer cannot see how oneTBB, which
-  // is not built with it, hands work from one thread to another.
+  // The nodes' threads are what is tested here. And the thread sanitizer cannot see how oneTBB,
+  // which is not built with it, hands work from one thread to another.
   SetThreads(1);
   MockRigRun run;
   run.faults = std::make_shared<rig::FaultScript>(options.faults);
@@ -225,6 +225,7 @@ MockRigRun RunMockRig(const MockRigOptions& options) {
   Collect(graph, "keyframes.bracket", run.brackets);
   if (recorder) Collect(graph, "estimator.estimate", run.estimates);
   if (options.before_run) options.before_run(graph);
+  StopFromOutside stop(graph, options.stop_after_first);
   const graph::RunOptions how{.log = options.log};
   run.report = Expect(options.replay.empty() ? graph.Run(how) : graph.Replay(options.replay, how));
   if (recorder) run.still_missing = recorder->Missing();
