@@ -1,5 +1,7 @@
 #include "mock_rig.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <atomic>
 #include <stdexcept>
@@ -18,6 +20,14 @@
 
 namespace turnlight::nodes {
 namespace {
+
+// The nodes' threads are what is tested here. And the thread sanitizer cannot see how oneTBB, which
+// is not built with it, hands work from one thread to another.
+class OneThread : public testing::Environment {
+  void SetUp() override { SetThreads(1); }
+};
+[[maybe_unused]] const testing::Environment* const kOneThread =
+    testing::AddGlobalTestEnvironment(new OneThread);
 
 constexpr int kColumns = 64;
 constexpr int kRows = 48;
@@ -212,9 +222,6 @@ const graph::ConnectionReport& MockRigRun::Connection(const std::string& from,
 }
 
 MockRigRun RunMockRig(const MockRigOptions& options) {
-  // The nodes' threads are what is tested here. And the thread sanitizer cannot see how oneTBB,
-  // which is not built with it, hands work from one thread to another.
-  SetThreads(1);
   MockRigRun run;
   run.faults = std::make_shared<rig::FaultScript>(options.faults);
   run.table = std::make_shared<rig::MockTurntable>(options.table, run.faults);
