@@ -18,8 +18,17 @@ endfunction()
 
 # turnlight_layer(NAME SOURCES ... USES ...): one folder's library. A function used from a layer that
 # is not in USES fails at the link; scripts/check-layers refuses the include already.
+# A layer in TURNLIGHT_PLAIN_LAYERS is not compiled but taken from build/release: see CMakePresets.
 function(turnlight_layer name)
   cmake_parse_arguments(LAYER "" "" "SOURCES;USES" ${ARGN})
+  if(name IN_LIST TURNLIGHT_PLAIN_LAYERS)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+    add_library(${name} INTERFACE)
+    target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${name} INTERFACE
+      ${PROJECT_SOURCE_DIR}/build/release/${folder}/lib${name}.a ${LAYER_USES})
+    return()
+  endif()
   add_library(${name} STATIC ${LAYER_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC ${LAYER_USES})

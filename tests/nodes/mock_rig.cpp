@@ -3,37 +3,77 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
+#include "base/parallel.h"
+#include "nodes/calibration_node.h"
 #include "nodes/camera_node.h"
+#include "nodes/estimator_node.h"
+#include "nodes/logger_node.h"
+#include "nodes/recorder_node.h"
 #include "nodes/turntable_node.h"
+#include "rig/capture/session_recorder.h"
+#include "rig/sim/blob.h"
 
 namespace turnlight::nodes {
 namespace {
 
-std::string GraphText(const std::string& executor) {
-  return "graph:\n  executor: " + executor + R"(
+// The nodes' threads are what is tested here. And the thread sanitizer cannot see how oneTBB, which
+// is not built with it, hands work from one thread to another.
+class OneThread : public testing::Environment {
+  void SetUp() override { SetThreads(1); }
+};
+[[maybe_unused]] const testing::Environment* const kOneThread =
+    testing::AddGlobalTestEnvironment(new OneThread);
+
+constexpr int kColumns = 64;
+constexpr int kRows = 48;
+
+// Small, with a textured enough shape: a lump looks different from every side.
+rig::MockCameraConfig SmallCamera(const MockRigOptions& options) {
+  rig::MockCameraConfig config;
+  config.first_frame_id = options.first_frame_id;
+  config.scene.seed = options.seed;
+  config.scene.target = rig::Blob{};
+  config.scene.motion.kind = rig::MotionKind::kTable;
+  config.scene.camera = {kColumns, kRows, 200.0, std::nullopt};
+  config.scene.sensor.noise_relative = 0.0003;
+  config.scene.samples_per_side = 2;
+  return config;
+}
+
+std::string GraphText(const MockRigOptions& options) {
+  const bool whole = !options.session.empty();
+  std::string text = "graph:\n  executor: " + options.executor + R"(
   nodes:
     keyframes: {type: keyframes, params: {retry_wait_ms: 200}}
     turntable: {type: turntable, params: {poll_ms: 10, home_timeout_s: 20}}
     camera: {type: camera}
-  connections:
+)";
+  if (whole)
+    text +=
+        "    calibration: {type: calibration, duration_ms: 5}\n"
+        "    recorder: {type: recorder, duration_ms: 20}\n"
+        "    estimator: {type: estimator, duration_ms: 5000, params: " +
+        options.estimator_params + "}\n    logger: {type: logger}\n";
+  text += R"(  connections:
     - {from: keyframes.move, to: turntable.move}
     - {from: keyframes.expose, to: camera.expose}
     - {from: turntable.state, to: keyframes.state, policy: {keep_last: 8}}
-  record: [keyframes.bracket, keyframes.fault]
 )";
-}
-
-// Small, with a textured enough shape: a lump looks different from every side.
-rig::MockCameraConfig SmallCamera() {
-  rig::MockCameraConfig config;
-  config.scene.target = rig::Blob{};
-  config.scene.motion.kind = rig::MotionKind::kTable;
-  config.scene.camera = {64, 48, 104.0, std::nullopt};
-  config.scene.sensor.noise_relative = 0.002;
-  config.scene.samples_per_side = 2;
-  return config;
+  if (whole)
+    text +=
+        "    - {from: keyframes.bracket, to: calibration.bracket, policy: block}\n"
+        "    - {from: calibration.keyframe, to: recorder.keyframe, policy: block}\n"
+        "    - {from: calibration.keyframe, to: estimator.keyframe, " +
+        options.to_estimator +
+        "}\n    - {from: calibration.camera_model, to: estimator.camera_model, policy: block}\n"
+        "    - {from: \"*.fault\", to: logger.faults, policy: {keep_last: 64}}\n";
+  return text + "  record: [keyframes.bracket, keyframes.fault" +
+         (whole ? ", turntable.fault, camera.fault, estimator.estimate]\n" : "]\n");
 }
 
 template <typename T>
@@ -41,6 +81,108 @@ T Expect(Result<T> result) {
   if (!result) throw std::runtime_error(result.error().text);
   return std::move(*result);
 }
+void Expect(const Status& status) {
+  if (!status) throw std::runtime_error(status.error().text);
+}
+
+using Recorder = std::shared_ptr<rig::SessionRecorder>;
+
+Recorder OpenRecorder(const MockRigOptions& options, const MockRigRun& run) {
+  if (options.session.empty()) return nullptr;
+  const rig::Studio& studio = run.camera->studio();
+  std::filesystem::create_directories(options.session);
+  const auto mesh_file = options.session.parent_path() / "lump.ply";
+  Expect(WriteFileAtomic(mesh_file, rig::MeshToPly(std::get<calib::MeshShape>(studio.target))));
+  const rig::CaptureSetup setup{.plan = options.plan,
+                                .config_text = "a test",
+                                .name = "lump",
+                                .length_unit = "mm",
+                                .camera = studio.camera,
+                                .radiometry = studio.radiometry,
+                                .bayer = std::nullopt,
+                                .target = rig::MeshFile{mesh_file.string()},
+                                .format = {{kColumns, kRows}, 3, CV_16U},
+                                .camera_identity = {"turnlight", "mock camera", "1"},
+                                .table_identity = {"turnlight", "mock turntable", "1"}};
+  const bool begun = std::filesystem::exists(options.session / rig::kJournalFile);
+  return std::make_shared<rig::SessionRecorder>(
+      Expect(begun ? rig::SessionRecorder::Resume(options.session, setup, {}, *options.disk)
+                   : rig::SessionRecorder::Start(options.session, setup, {}, *options.disk)));
+}
+
+RigCalibration CalibrationOf(const rig::CapturePlan& plan, std::shared_ptr<rig::MockCamera> mock) {
+  const rig::Studio& studio = mock->studio();
+  return {studio.camera, rig::RawRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db),
+          rig::SessionRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db),
+          rig::SensorNoise{}, [mock](double angle_deg) {
+            const rig::Placement placed = mock->PlacementAt(angle_deg);
+            return CameraAndTarget{placed.X_WC, placed.X_WT};
+          }};
+}
+
+// What is created here lives on in the nodes; run must outlive them for the logger's lines.
+graph::NodeRegistry MakeNodes(const MockRigOptions& options, MockRigRun& run,
+                              const Recorder& recorder) {
+  std::shared_ptr<rig::Camera> camera = run.camera;
+  if (options.wrap_camera) camera = options.wrap_camera(camera);
+  const KeyframesJob job{options.plan,
+                         recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
+                         run.camera->studio().radiometry,
+                         options.gate,
+                         options.check_arrival,
+                         options.settle};
+  graph::NodeRegistry registry;
+  registry.Add("keyframes", [job] { return std::make_unique<KeyframesNode>(job); });
+  registry.Add("turntable", [table = run.table] { return std::make_unique<TurntableNode>(table); });
+  registry.Add("camera", [camera] { return std::make_unique<CameraNode>(camera); });
+  registry.Add("calibration", [plan = options.plan, mock = run.camera] {
+    return std::make_unique<CalibrationNode>(CalibrationOf(plan, mock));
+  });
+  registry.Add("recorder", [recorder] { return std::make_unique<RecorderNode>(recorder); });
+  registry.Add("estimator", [mock = run.camera] {
+    return std::make_unique<EstimatorNode>(mock->studio().target);
+  });
+  registry.Add("logger", [&run] {
+    return std::make_unique<LoggerNode>(
+        [&run](const std::string& line) { run.lines.push_back(line); });
+  });
+  return registry;
+}
+
+// Appends every message of the topic to the list.
+template <typename T>
+void Collect(graph::Graph& graph, const std::string& topic, std::vector<T>& list) {
+  Expect(
+      graph.Tap<T>(topic, [&list](const graph::Message<T>& message) { list.push_back(*message); }));
+}
+
+// A thread that asks a graph to stop once there is a keyframe, while the capture waits for it; it
+// is gone before the graph is.
+class StopFromOutside {
+ public:
+  StopFromOutside(graph::Graph& graph, std::optional<graph::StopMode> mode) {
+    if (!mode) return;
+    Expect(graph.Tap<Bracket>("keyframes.bracket", [this](const graph::Message<Bracket>&) {
+      WakeUp();
+      asked_.wait(false);
+    }));
+    thread_ = std::jthread([this, &graph, mode] {
+      awake_.wait(false);
+      graph.RequestStop(*mode);
+      asked_ = true;
+      asked_.notify_one();
+    });
+  }
+  ~StopFromOutside() { WakeUp(); }
+
+ private:
+  void WakeUp() {
+    awake_ = true;
+    awake_.notify_one();
+  }
+  std::atomic<bool> awake_{false}, asked_{false};
+  std::jthread thread_;
+};
 
 }  // namespace
 
@@ -53,19 +195,17 @@ MockRigOptions SmallCapture() {
   return options;
 }
 
-rig::MockCamera::Deviation MockRigRun::Worst() const {
-  rig::MockCamera::Deviation worst;
-  for (const Bracket& bracket : brackets)
-    for (const Frame& frame : bracket.exposures) {
-      rig::RawFrame raw;
-      raw.image = frame.image;
-      raw.actual = frame.actual;
-      const auto deviation = camera->DeviationFromStatic(raw, bracket.angle_deg);
-      worst.max_sigmas = std::max(worst.max_sigmas, deviation.max_sigmas);
-      worst.rms_sigmas = std::max(worst.rms_sigmas, deviation.rms_sigmas);
-      worst.share_beyond_5 = std::max(worst.share_beyond_5, deviation.share_beyond_5);
-    }
-  return worst;
+MockRigOptions WholeCapture(const std::filesystem::path& session) {
+  MockRigOptions options = SmallCapture();
+  options.session = session;
+  return options;
+}
+
+rig::FaultEntry FaultAt(rig::FaultKind kind, std::optional<double> angle_deg, int times) {
+  rig::FaultEntry entry = rig::MakeFault(kind);
+  entry.angle_deg = angle_deg;
+  entry.times = times;
+  return entry;
 }
 
 std::size_t MockRigRun::Rejected() const {
@@ -74,30 +214,28 @@ std::size_t MockRigRun::Rejected() const {
   return rejected;
 }
 
-MockRigRun RunMockRig(const MockRigOptions& options, const std::string& log) {
+const graph::ConnectionReport& MockRigRun::Connection(const std::string& from,
+                                                      const std::string& to) const {
+  for (const graph::ConnectionReport& connection : report.connections)
+    if (connection.from == from && connection.to == to) return connection;
+  throw std::runtime_error("no connection from " + from + " to " + to);
+}
+
+MockRigRun RunMockRig(const MockRigOptions& options) {
   MockRigRun run;
   run.faults = std::make_shared<rig::FaultScript>(options.faults);
-  rig::MockTurntableConfig table_config;
-  table_config.feedback = options.feedback;
-  const auto table = std::make_shared<rig::MockTurntable>(table_config, run.faults);
-  run.camera = Expect(rig::MockCamera::Create(SmallCamera(), table, run.faults));
-  KeyframesJob job{options.plan,
-                   rig::PlannedFrames(options.plan),
-                   run.camera->studio().radiometry,
-                   {},
-                   options.check_arrival,
-                   options.settle};
-  graph::NodeRegistry registry;
-  registry.Add("keyframes", [&job] { return std::make_unique<KeyframesNode>(job); });
-  registry.Add("turntable", [&table] { return std::make_unique<TurntableNode>(table); });
-  registry.Add("camera", [&run] { return std::make_unique<CameraNode>(run.camera); });
-  auto config = Expect(graph::ParseGraphConfig(GraphText(options.executor), "mock_rig.yaml"));
-  auto graph = Expect(graph::Graph::Build(std::move(config), registry));
-  const Status tapped = graph.Tap<Bracket>(
-      "keyframes.bracket",
-      [&run](const graph::Message<Bracket>& bracket) { run.brackets.push_back(*bracket); });
-  if (!tapped) throw std::runtime_error(tapped.error().text);
-  run.report = Expect(graph.Run({.log = log}));
+  run.table = std::make_shared<rig::MockTurntable>(options.table, run.faults);
+  run.camera = Expect(rig::MockCamera::Create(SmallCamera(options), run.table, run.faults));
+  const Recorder recorder = OpenRecorder(options, run);
+  auto config = Expect(graph::ParseGraphConfig(GraphText(options), "mock_rig.yaml"));
+  auto graph = Expect(graph::Graph::Build(std::move(config), MakeNodes(options, run, recorder)));
+  Collect(graph, "keyframes.bracket", run.brackets);
+  if (recorder) Collect(graph, "estimator.estimate", run.estimates);
+  if (options.before_run) options.before_run(graph);
+  StopFromOutside stop(graph, options.stop_after_first);
+  const graph::RunOptions how{.log = options.log};
+  run.report = Expect(options.replay.empty() ? graph.Run(how) : graph.Replay(options.replay, how));
+  if (recorder) run.still_missing = recorder->Missing();
   return run;
 }
 
