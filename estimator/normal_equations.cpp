@@ -230,7 +230,9 @@ NormalEquations Evaluate(const Observations& observations, const Scene& scene,
 
 Eigen::MatrixXd TileGradients(const Observations& observations, const Scene& scene,
                               const EvaluateOptions& options) {
-  const KernelScene kernel_scene(observations, scene, options.huber);
+  EvaluateOptions gradient_only = options;
+  gradient_only.gradient_only = true;
+  const KernelScene kernel_scene(observations, scene, gradient_only);
   const int n = kernel_scene.model.Shared();
   Eigen::MatrixXd out(observations.channels + n, static_cast<Eigen::Index>(observations.tiles()));
   ParallelFor(observations.tiles(), [&](std::size_t tile) {
