@@ -141,7 +141,7 @@ TEST_F(Run, FaultsLeaveNoTraceInTheSession) {
 TEST_F(Run, AnOpenLoopTableThatLostStepsIsSeenByTheClosure) {
   const auto with = [this](const std::string& name, const std::string& deg) {
     std::string text = *ReadFile(config_);
-    Replace(text, "count: 6", "count: 6\n  closure: true");
+    Replace(text, "closure: false", "closure: true");
     Replace(text, "backlash_deg: 0.05}", "backlash_deg: 0.05, feedback: open_loop}");
     Replace(text, "  camera:\n",
             "  faults: {list: [{at: {keyframe: 3}, fault: lost_steps, deg: " + deg +
