@@ -205,20 +205,28 @@ std::string ResumeHint(const RunFolder& folder) {
   return "turnlight resume " + folder.root().string() + " goes on";
 }
 
+// The system said no: what was begun can be gone on with.
+int FailIn(const RunFolder& folder, Error error) {
+  if (error.kind == ErrorKind::kSystem && folder.begun() &&
+      error.text.find("turnlight resume") == std::string::npos)
+    error.text += "; " + ResumeHint(folder);
+  return Fail(error);
+}
+
 int Capture(const fs::path& config, const RunFolder& folder, Start start, CaptureGoal goal) {
   auto run = Prepare(config, folder, start, goal);
-  if (!run) return Fail(run.error());
+  if (!run) return FailIn(folder, run.error());
   if (!run->recorder->Missing().empty()) {
     const InterruptStopsGraph interrupt(*run->graph);
     graph::RunOptions options;
     options.log = folder.NextLog();
     const auto report = run->graph->Run(options);
-    if (!report) return Fail(report.error());
+    if (!report) return FailIn(folder, report.error());
     run->display->End();
     const int code = Outcome(*report, run->recorder->Missing().size(), folder, ResumeHint(folder));
     if (code != kDone) return code;
   } else if (const Status status = run->recorder->Finish(); !status) {
-    return Fail(status.error());
+    return FailIn(folder, status.error());
   }
   return Finish(folder, goal, run->display->estimates());
 }
