@@ -1,40 +1,59 @@
 #include "app/capture_display.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
 
 namespace turnlight::app {
+namespace {
+
+std::size_t TerminalColumns() {
+  struct winsize size {};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string Residual(const nodes::Estimate& estimate) {
+  char text[48];
+  std::snprintf(text, sizeof text, "residual %.3g", estimate.rms);
+  return text;
+}
+
+std::string Lights(const nodes::Estimate& estimate) {
+  return std::to_string(estimate.lights.size()) +
+         (estimate.lights.size() == 1 ? " light" : " lights");
+}
+
+}  // namespace
 
 CaptureDisplay::CaptureDisplay(std::size_t total, std::size_t done)
     : total_(total), before_(done), terminal_(::isatty(STDERR_FILENO) == 1), done_(done) {}
 
-CaptureDisplay::~CaptureDisplay() {
-  if (terminal_) std::fputs("\n", stderr);
-}
-
 std::string CaptureDisplay::BracketText(const nodes::Bracket& bracket, std::size_t done,
                                         std::size_t total) {
   char text[96];
-  std::snprintf(text, sizeof text, "frame %zu/%zu at %.6g\u00b0", done, total, bracket.angle_deg);
+  std::snprintf(text, sizeof text, "frame %zu/%zu at %.6g\u00b0%s", done, total, bracket.angle_deg,
+                bracket.closure ? " (closure)" : "");
   const int retries = bracket.attempts - 1;
   return text + (retries == 0   ? std::string()
                  : retries == 1 ? ", 1 retry"
                                 : ", " + std::to_string(retries) + " retries");
 }
 
-std::string CaptureDisplay::EstimateText(const nodes::Estimate& estimate) {
-  std::string text = std::to_string(estimate.lights.size()) +
-                     (estimate.lights.size() == 1 ? " light:" : " lights:");
-  char part[128];
-  for (const nodes::LightNow& light : estimate.lights) {
-    std::snprintf(part, sizeof part, " (%+.3f, %+.3f, %+.3f) \u00b1 %.2g\u00b0,",
-                  light.direction.x(), light.direction.y(), light.direction.z(),
-                  light.direction_sigma_deg);
-    text += part;
+std::string CaptureDisplay::LightText(const nodes::LightNow& light) {
+  char text[128];
+  std::snprintf(text, sizeof text, "(%+.3f, %+.3f, %+.3f) \u00b1 %.2g\u00b0", light.direction.x(),
+                light.direction.y(), light.direction.z(), light.direction_sigma_deg);
+  return text;
+}
+
+std::string CaptureDisplay::Cut(const std::string& line, std::size_t columns) {
+  std::size_t characters = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool begins = (static_cast<unsigned char>(line[i]) & 0xC0) != 0x80;  // UTF-8
+    if (begins && ++characters > columns) return line.substr(0, i);
   }
-  std::snprintf(part, sizeof part, " residual %.3g", estimate.rms);
-  return text + part;
+  return line;
 }
 
 void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
@@ -53,23 +72,51 @@ void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
 
 void CaptureDisplay::OnEstimate(const nodes::Estimate& estimate) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  estimate_text_ = "after " + std::to_string(estimate.keyframes) + ": " + EstimateText(estimate);
-  Show("estimate " + estimate_text_);
+  estimates_.push_back(estimate);
+  std::string text = "estimate after " + std::to_string(estimate.keyframes) + ": " +
+                     Lights(estimate) + ", " + Residual(estimate);
+  for (const nodes::LightNow& light : estimate.lights) text += "; " + LightText(light);
+  Show(text);
 }
 
 void CaptureDisplay::OnLine(const std::string& line) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (terminal_) std::fprintf(stderr, "\r\033[K%s\n", line.c_str());
-  Show(line);
+  if (!terminal_) return Show(line);
+  Erase();
+  std::fprintf(stderr, "%s\n", line.c_str());
+  Draw();
+}
+
+void CaptureDisplay::End() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  drawn_ = 0;
 }
 
 void CaptureDisplay::Show(const std::string& event) {
-  if (terminal_)
-    std::fprintf(stderr, "\r\033[K%s%s%s", frame_text_.c_str(), estimate_text_.empty() ? "" : " | ",
-                 estimate_text_.c_str());
-  else
+  if (terminal_) {
+    Erase();
+    Draw();
+  } else {
     std::fprintf(stderr, "%s\n", event.c_str());
+  }
   std::fflush(stderr);
+}
+
+void CaptureDisplay::Erase() {
+  for (; drawn_ > 0; --drawn_) std::fputs("\033[A\r\033[K", stderr);
+}
+
+void CaptureDisplay::Draw() {
+  const std::size_t columns = TerminalColumns() - 1;
+  const auto line = [&](const std::string& text) {
+    std::fprintf(stderr, "%s\n", Cut(text, columns).c_str());
+    ++drawn_;
+  };
+  if (!frame_text_.empty()) line(frame_text_);
+  if (estimates_.empty()) return;
+  const nodes::Estimate& now = estimates_.back();
+  line("after " + std::to_string(now.keyframes) + ": " + Lights(now) + ", " + Residual(now));
+  for (const nodes::LightNow& light : now.lights) line("  " + LightText(light));
 }
 
 }  // namespace turnlight::app

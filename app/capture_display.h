@@ -1,11 +1,12 @@
-// What a person sees while a capture runs, on standard error: on a terminal one line that is
-// rewritten, with the faults above it; elsewhere a plain line for each event.
+// What a person sees while a capture runs, on standard error: on a terminal a few lines that are
+// rewritten, with the faults above them; elsewhere a plain line for each event.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "nodes/messages.h"
 
@@ -15,23 +16,29 @@ class CaptureDisplay {
  public:
   // total: frames that the plan has; done: those that were there before.
   CaptureDisplay(std::size_t total, std::size_t done);
-  ~CaptureDisplay();
-  CaptureDisplay(const CaptureDisplay&) = delete;
-  CaptureDisplay& operator=(const CaptureDisplay&) = delete;
 
   // From any thread.
   void OnBracket(const nodes::Bracket& bracket);
   void OnEstimate(const nodes::Estimate& estimate);
   void OnLine(const std::string& line);
 
-  // "frame 3/36 at 20.0 deg, 1 retry".
+  // After the run: leaves what is on the terminal there.
+  void End();
+  // All that came, in their order.
+  const std::vector<nodes::Estimate>& estimates() const { return estimates_; }
+
+  // "frame 3/36 at 20\u00b0, 1 retry".
   static std::string BracketText(const nodes::Bracket& bracket, std::size_t done,
                                  std::size_t total);
-  // "2 lights: (+0.51, +0.20, +0.84) 0.05 deg, ...; residual 0.0051".
-  static std::string EstimateText(const nodes::Estimate& estimate);
+  // "(+0.505, +0.202, +0.841) \u00b1 0.05\u00b0".
+  static std::string LightText(const nodes::LightNow& light);
+  // The first columns of a line, each character counted as one.
+  static std::string Cut(const std::string& line, std::size_t columns);
 
  private:
   void Show(const std::string& event);  // mutex_ is held
+  void Erase();
+  void Draw();
 
   const std::size_t total_;
   const std::size_t before_;
@@ -39,7 +46,9 @@ class CaptureDisplay {
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
   std::size_t done_;
-  std::string frame_text_, estimate_text_;
+  std::string frame_text_;
+  std::vector<nodes::Estimate> estimates_;
+  std::size_t drawn_ = 0;  // lines on the terminal
 };
 
 }  // namespace turnlight::app

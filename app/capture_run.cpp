@@ -1,19 +1,27 @@
 #include "app/capture_run.h"
 
+#include <array>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "app/capture_display.h"
 #include "app/command.h"
 #include "app/interrupt.h"
+#include "app/progress_table.h"
+#include "app/run_config.h"
 #include "app/session_estimate.h"
 #include "app/version.h"
 #include "base/file.h"
 #include "base/lock_file.h"
 #include "nodes/graph/graph.h"
+#include "nodes/graph/log.h"
+#include "rig/capture/closure_check.h"
+#include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
 namespace {
@@ -21,28 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Recorder = std::shared_ptr<rig::SessionRecorder>;
 
-constexpr char kConfigCopy[] = "config.yaml";
-
-// The first of log, log-2, log-3, ... that is not there.
-fs::path FreeLog(const fs::path& out) {
-  fs::path log = out / "log";
-  for (int run = 2; fs::exists(log); ++run) log = out / ("log-" + std::to_string(run));
-  return log;
-}
-
-Result<Recorder> OpenRecorder(const RunConfig& config, const Rig& rig, const fs::path& out,
-                              CaptureStart start) {
-  auto setup = MakeCaptureSetup(config, rig, out);
-  if (!setup) return Forward(setup);
-  rig::RunProvenance run;
-  run.program_version = VersionText();
-  run.camera_settings = {config.plan.exposures_us.front(), config.plan.gain_db};
-  auto recorder = start == CaptureStart::kNew
-                      ? rig::SessionRecorder::Start(out / "session", *setup, run)
-                      : rig::SessionRecorder::Resume(out / "session", *setup, run);
-  if (!recorder) return Forward(recorder);
-  return std::make_shared<rig::SessionRecorder>(std::move(*recorder));
-}
+enum class Start { kNew, kResume };
 
 // Everything of one run, put together.
 struct Prepared {
@@ -53,6 +40,17 @@ struct Prepared {
   std::unique_ptr<CaptureDisplay> display;
   std::optional<graph::Graph> graph;
 };
+
+Result<graph::Graph> BuildGraph(const Prepared& run, const std::vector<rig::PlannedFrame>& frames) {
+  CaptureDisplay* display = run.display.get();
+  auto graph = graph::Graph::Build(
+      run.config.graph,
+      MakeRegistry(run.rig, MakeKeyframesJob(run.config, run.rig, frames), run.recorder,
+                   [display](const std::string& line) { display->OnLine(line); }));
+  if (!graph) return graph;
+  if (const Status status = graph->Configure(); !status) return Forward(status);
+  return graph;
+}
 
 Status Tap(Prepared& run) {
   CaptureDisplay* display = run.display.get();
@@ -71,98 +69,220 @@ Status Tap(Prepared& run) {
   return {};
 }
 
-Result<Prepared> Prepare(const fs::path& config_file, const fs::path& out, CaptureStart start,
+Result<Recorder> OpenRecorder(const Prepared& run, const RunFolder& folder, Start start) {
+  auto setup = MakeCaptureSetup(run.config, run.rig, folder.root());
+  if (!setup) return Forward(setup);
+  rig::RunProvenance provenance;
+  provenance.program_version = VersionText();
+  provenance.camera_settings = {run.config.plan.exposures_us.front(), run.config.plan.gain_db};
+  auto recorder = start == Start::kNew
+                      ? rig::SessionRecorder::Start(folder.session(), *setup, provenance)
+                      : rig::SessionRecorder::Resume(folder.session(), *setup, provenance);
+  if (!recorder) return Forward(recorder);
+  if (const auto* mesh = std::get_if<rig::MeshFile>(&setup->target)) {
+    std::error_code code;  // the session has its copy
+    fs::remove(mesh->path, code);
+  }
+  // A simulated rig knows the answer.
+  const Status status = WriteFileAtomic(
+      folder.session() / "truth.json",
+      rig::TruthToJson(run.rig.camera->studio().scene, "the simulated rig of " + run.config.name));
+  if (!status) return Forward(status);
+  return std::make_shared<rig::SessionRecorder>(std::move(*recorder));
+}
+
+std::string Show(double number) {
+  std::ostringstream text;
+  text.precision(10);
+  text << number;
+  return text.str();
+}
+
+// What is about to happen.
+std::string Announce(const Prepared& run, const RunFolder& folder,
+                     const std::vector<rig::PlannedFrame>& missing, Start start) {
+  const auto planned = rig::PlannedFrames(run.config.plan);
+  std::string text = run.config.name + ": ";
+  if (start == Start::kNew)
+    return text + std::to_string(planned.size()) + " frames from " +
+           Show(planned.front().angle_deg) + "\u00b0 to " + Show(planned.back().angle_deg) +
+           "\u00b0 into " + folder.session().string();
+  for (const std::string& dropped : run.recorder->report().dropped)
+    text += dropped + "; taken again\n";
+  text += std::to_string(planned.size() - missing.size()) + " of " +
+          std::to_string(planned.size()) + " frames are safe";
+  return missing.empty() ? text
+                         : text + ", going on at " + Show(missing.front().angle_deg) + "\u00b0";
+}
+
+// config_file is read, and everything that can be refused is, before anything is written.
+Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, Start start,
                          CaptureGoal goal) {
   Prepared run;
   auto config = ReadRunConfig(config_file);
   if (!config) return Forward(config);
   run.config = std::move(*config);
   if (goal == CaptureGoal::kSession) RemoveNodes(run.config.graph, "estimator");
-  if (const Status status = MakeDirectory(out); !status) return Forward(status);
-  auto lock = LockFile::Take(out / "run.lock", out.string() + ": another run is writing here");
-  if (!lock) return Forward(lock);
-  run.lock.emplace(std::move(*lock));
   auto rig = MakeRig(run.config);
   if (!rig) return Forward(rig);
   run.rig = std::move(*rig);
-  auto recorder = OpenRecorder(run.config, run.rig, out, start);
+  if (const auto graph = BuildGraph(run, {}); !graph) return Forward(graph);
+
+  if (const Status status = MakeDirectory(folder.root()); !status) return Forward(status);
+  auto lock = LockFile::Take(folder.lock(), folder.root().string() + ": another run writes here");
+  if (!lock) return Forward(lock);
+  run.lock.emplace(std::move(*lock));
+  Status status = start == Start::kNew ? folder.CheckNew() : folder.CheckBegun();
+  if (status && start == Start::kNew) status = folder.Begin(run.config.text, goal);
+  if (!status) return Forward(status);
+  auto recorder = OpenRecorder(run, folder, start);
   if (!recorder) return Forward(recorder);
   run.recorder = std::move(*recorder);
-  if (start == CaptureStart::kNew)
-    if (const Status status = WriteFileAtomic(out / kConfigCopy, run.config.text); !status)
-      return Forward(status);
+
   const auto missing = run.recorder->Missing();
+  std::cerr << Announce(run, folder, missing, start) << std::endl;
   const std::size_t total = rig::PlannedFrames(run.config.plan).size();
   run.display = std::make_unique<CaptureDisplay>(total, total - missing.size());
-  auto graph = graph::Graph::Build(
-      run.config.graph,
-      MakeRegistry(
-          run.rig, MakeKeyframesJob(run.config, run.rig, missing), run.recorder,
-          [display = run.display.get()](const std::string& line) { display->OnLine(line); }));
+  auto graph = BuildGraph(run, missing);
   if (!graph) return Forward(graph);
   run.graph.emplace(std::move(*graph));
-  if (const Status status = Tap(run); !status) return Forward(status);
-  if (const Status status = run.graph->Configure(); !status) return Forward(status);
+  if (const Status tapped = Tap(run); !tapped) return Forward(tapped);
   return run;
 }
 
-// What a stop of the graph means for the program.
-int Outcome(const graph::RunReport& report, std::size_t missing, const fs::path& out) {
+// What the end of the graph means for the program.
+int Outcome(const graph::RunReport& report, std::size_t missing, const RunFolder& folder,
+            const std::string& hint) {
   if (report.failure)
     std::cerr << "turnlight: " << report.failure->node << ": " << report.failure->text << "\n";
   if (missing > 0)
-    std::cerr << "turnlight: " << missing << " frames are missing, the others are safe; "
-              << "turnlight resume " << out.string() << " goes on" << std::endl;
+    std::cerr << "turnlight: " << missing
+              << (missing == 1 ? " frame is missing" : " frames are missing")
+              << ", the others are safe; " << hint << std::endl;
+  else if (report.failure || Interrupted())
+    std::cerr << "turnlight: all frames are safe; " << hint << std::endl;
   if (Interrupted()) return kInterrupted;
   if (report.failure && report.failure->code == "device") return kDeviceFault;
-  if (missing > 0) return kIncomplete;
-  return report.failure ? kRefused : kDone;
+  return missing > 0 || report.failure || !folder.complete() ? kIncomplete : kDone;
 }
 
-int Finish(const fs::path& out, CaptureGoal goal) {
-  const fs::path session = out / "session";
+// The closure check of a finished session; the exit code it leads to.
+int TellClosure(const fs::path& session) {
+  const auto check = rig::CheckClosure(session);
+  if (!check) return Fail(check.error());
+  if (!*check) return kDone;
+  std::cerr << ((*check)->closed ? "" : "turnlight: ") << "closure: " << (*check)->text
+            << std::endl;
+  return (*check)->closed ? kDone : kDeviceFault;
+}
+
+// A finished session to its goal. The result is solved from the session's files alone, so that it
+// is the one that `estimate` gives.
+int Finish(const RunFolder& folder, CaptureGoal goal,
+           const std::vector<nodes::Estimate>& estimates) {
+  const fs::path session = folder.session();
+  const int code = TellClosure(session);
   if (goal == CaptureGoal::kSession) {
     std::cout << session.string() << " is complete; turnlight estimate " << session.string()
-              << " --out " << (out / "result").string() << " estimates the lights" << std::endl;
-    return kDone;
+              << " --out " << folder.result().string() << " estimates the lights" << std::endl;
+    return code;
   }
-  const auto done = EstimateSession(session, out / "result", {});
+  std::cerr << session.string() << " is complete; the final estimate starts anew from its frames"
+            << std::endl;
+  if (!estimates.empty()) {
+    Status status = MakeDirectory(folder.result());
+    if (status)
+      status = WriteFileAtomic(folder.result() / "progress.csv", ProgressTable(estimates));
+    if (!status) return Fail(status.error());
+  }
+  const auto done = EstimateSession(session, folder.result(), {});
   if (!done) return Fail(done.error());
   std::cout << done->summary << std::flush;
-  return kDone;
+  return code;
+}
+
+std::string ResumeHint(const RunFolder& folder) {
+  return "turnlight resume " + folder.root().string() + " goes on";
+}
+
+// The system said no: what was begun can be gone on with.
+int FailIn(const RunFolder& folder, Error error) {
+  if (error.kind == ErrorKind::kSystem && folder.begun() &&
+      error.text.find("turnlight resume") == std::string::npos)
+    error.text += "; " + ResumeHint(folder);
+  return Fail(error);
+}
+
+int Capture(const fs::path& config, const RunFolder& folder, Start start, CaptureGoal goal) {
+  auto run = Prepare(config, folder, start, goal);
+  if (!run) return FailIn(folder, run.error());
+  if (!run->recorder->Missing().empty()) {
+    const InterruptStopsGraph interrupt(*run->graph);
+    graph::RunOptions options;
+    options.log = folder.NextLog();
+    const auto report = run->graph->Run(options);
+    if (!report) return FailIn(folder, report.error());
+    run->display->End();
+    const int code = Outcome(*report, run->recorder->Missing().size(), folder, ResumeHint(folder));
+    if (code != kDone) return code;
+  } else if (const Status status = run->recorder->Finish(); !status) {
+    return FailIn(folder, status.error());
+  }
+  return Finish(folder, goal, run->display->estimates());
+}
+
+// A replay is of the same config; which part is not, the hashes tell.
+Status CheckSameConfig(const fs::path& log, const RunConfig& config) {
+  const auto reader = graph::LogReader::Open(log);
+  if (!reader) return Forward(reader);
+  std::istringstream was(reader->header().config_hash), is(config.graph.hash);
+  std::string was_name, was_hash, is_name, is_hash;
+  while (is >> is_name >> is_hash)
+    if (!(was >> was_name >> was_hash) || was_name != is_name || was_hash != is_hash)
+      return InputError(log.string() + ": recorded with another \"" + is_name + "\" than " +
+                        config.file + " has, allowed is the config of that run");
+  return {};
 }
 
 }  // namespace
 
-int RunCapture(const fs::path& config, const fs::path& out, CaptureStart start, CaptureGoal goal) {
-  auto run = Prepare(start == CaptureStart::kNew ? config : out / kConfigCopy, out, start, goal);
-  if (!run) return Fail(run.error());
-  graph::RunOptions options;
-  options.log = FreeLog(out);
-  int code = kDone;
-  if (!run->recorder->Missing().empty()) {
-    const InterruptStopsGraph interrupt(*run->graph);
-    const auto report = run->graph->Run(options);
-    if (!report) return Fail(report.error());
-    run->display.reset();
-    code = Outcome(*report, run->recorder->Missing().size(), out);
-  } else if (const Status status = run->recorder->Finish(); !status) {
-    return Fail(status.error());
-  }
-  return code == kDone ? Finish(out, goal) : code;
+int RunCapture(const fs::path& config, const RunFolder& folder, CaptureGoal goal) {
+  return Capture(config, folder, Start::kNew, goal);
 }
 
-int ReplayCapture(const fs::path& log, const fs::path& out) {
-  const fs::path folder = log.parent_path();
-  auto run = Prepare(folder / kConfigCopy, out, CaptureStart::kNew, CaptureGoal::kEstimate);
+int ResumeCapture(const RunFolder& folder) {
+  if (const Status status = folder.CheckBegun(); !status) return Fail(status.error());
+  const auto goal = folder.ReadGoal();
+  if (!goal) return Fail(goal.error());
+  if (folder.complete() && (*goal == CaptureGoal::kSession || folder.estimated())) {
+    std::cout << folder.root().string() << ": complete already, nothing is left to do" << std::endl;
+    return kDone;
+  }
+  return Capture(folder.config(), folder, Start::kResume, *goal);
+}
+
+int ReplayCapture(const fs::path& log, const RunFolder& folder) {
+  const RunFolder source(fs::absolute(log).parent_path());
+  const auto config = ReadRunConfig(source.config());
+  if (!config) return Fail(config.error());
+  const auto goal = source.ReadGoal();
+  if (!goal) return Fail(goal.error());
+  if (const Status status = CheckSameConfig(log, *config); !status) return Fail(status.error());
+  auto run = Prepare(source.config(), folder, Start::kNew, *goal);
   if (!run) return Fail(run.error());
   graph::RunOptions options;
-  options.log = FreeLog(out);
+  options.log = folder.NextLog();
   const auto report = run->graph->Replay(log, options);
   if (!report) return Fail(report.error());
-  run->display.reset();
-  const int code = Outcome(*report, run->recorder->Missing().size(), out);
-  return code == kDone ? Finish(out, CaptureGoal::kEstimate) : code;
+  run->display->End();
+  const int code = Outcome(*report, run->recorder->Missing().size(), folder,
+                           log.string() +
+                               " has no more: that run was interrupted or resumed, and "
+                               "a log holds one run; " +
+                               source.session().string() +
+                               " has what all "
+                               "runs together took");
+  return code == kDone ? Finish(folder, *goal, run->display->estimates()) : code;
 }
 
 }  // namespace turnlight::app

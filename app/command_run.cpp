@@ -24,7 +24,7 @@ void AddCapturing(CLI::App& program, Action& action, const std::string& name,
       ->type_name("DIR");
   command->callback([arguments, goal, &action] {
     action = [arguments, goal] {
-      return RunCapture(arguments->config, arguments->out, CaptureStart::kNew, goal);
+      return RunCapture(arguments->config, RunFolder(arguments->out), goal);
     };
   });
 }
@@ -46,26 +46,21 @@ void AddCapture(CLI::App& program, Action& action) {
 void AddResume(CLI::App& program, Action& action) {
   CLI::App* command =
       AddCommand(program, "resume",
-                 "Go on with a capture that was interrupted; what is safe on disk is kept, and the "
-                 "session ends with the same bytes as if nothing had happened",
+                 "Go on with a run or capture that was interrupted: what is safe on disk is kept, "
+                 "and the session ends with the same bytes as if nothing had happened. What began "
+                 "as run is estimated at the end",
                  "turnlight resume my_run");
   auto out = std::make_shared<std::string>();
-  auto no_estimate = std::make_shared<bool>(false);
   command->add_option("DIR", *out, "The folder of the run")->required();
-  command->add_flag("--no-estimate", *no_estimate, "Finish the session only");
-  command->callback([out, no_estimate, &action] {
-    action = [out, no_estimate] {
-      return RunCapture({}, *out, CaptureStart::kResume,
-                        *no_estimate ? CaptureGoal::kSession : CaptureGoal::kEstimate);
-    };
-  });
+  command->callback([out, &action] { action = [out] { return ResumeCapture(RunFolder(*out)); }; });
 }
 
 void AddReplay(CLI::App& program, Action& action) {
   CLI::App* command = AddCommand(
       program, "replay",
       "Run the graph again from a log, without devices; gives the same session and result. The "
-      "config is read from config.yaml beside the log",
+      "config is read from config.yaml beside the log. A log holds one run: that of a capture that "
+      "was interrupted gives the frames up to there (exit code 3)",
       "turnlight replay my_run/log --out again");
   auto arguments = std::make_shared<RunArguments>();
   command->add_option("LOG", arguments->config, "The log of a run")->required();
@@ -73,7 +68,7 @@ void AddReplay(CLI::App& program, Action& action) {
       ->required()
       ->type_name("DIR");
   command->callback([arguments, &action] {
-    action = [arguments] { return ReplayCapture(arguments->config, arguments->out); };
+    action = [arguments] { return ReplayCapture(arguments->config, RunFolder(arguments->out)); };
   });
 }
 

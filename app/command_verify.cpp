@@ -3,6 +3,7 @@
 
 #include "app/command.h"
 #include "app/interrupt.h"
+#include "rig/capture/closure_check.h"
 #include "rig/session/session.h"
 
 namespace turnlight::app {
@@ -17,6 +18,12 @@ int Verify(const std::string& folder) {
   const auto report = rig::VerifySession(folder);
   if (!report) return Fail(report.error());
   for (const std::string& remark : report->remarks) std::cout << "remark: " << remark << "\n";
+  if (report->problems.empty()) {
+    const auto closure = rig::CheckClosure(folder);
+    if (!closure || *closure)
+      std::cout << "remark: closure: " << (closure ? (*closure)->text : closure.error().text)
+                << "\n";
+  }
   for (const std::string& problem : report->problems) std::cout << "problem: " << problem << "\n";
   if (report->problems.empty()) {
     std::cout << folder << ": good, " << Count(report->frames, "frame") << "\n"

@@ -52,6 +52,7 @@ InterruptAtOnce::~InterruptAtOnce() { --at_once; }
 InterruptStopsGraph::InterruptStopsGraph(graph::Graph& graph) {
   presses = 0;
   stopped_graph = &graph;
+  if (interrupted) graph.RequestStop(graph::StopMode::kDrain);  // it came before there was a graph
   struct sigaction action {};
   action.sa_handler = HandleInterrupt;
   action.sa_flags = SA_RESTART;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/sha256.h"
 #include "nodes/camera_node.h"
 #include "nodes/estimator_node.h"
 #include "nodes/logger_node.h"
@@ -39,6 +40,15 @@ Status ReadRig(StrictObject rig, RunConfig& config) {
   if (!read) return Forward(read);
   config.faults = std::move(*read);
   return {};
+}
+
+// A log is good for the same capture, rig and graph; three hashes, so that a refusal can name which
+// of them differs.
+std::string HashOf(const Document& document, const std::string& graph_hash) {
+  const auto hash = [&document](const char* key) {
+    return Sha256Hex(document.root.value(key, nlohmann::json()).dump());
+  };
+  return "capture " + hash("capture") + " rig " + hash("rig") + " graph " + graph_hash;
 }
 
 rig::PictureFormat FormatOf(const rig::SyntheticConfig& scene) {
@@ -89,6 +99,7 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   if (const Status status = root.Finish(); !status) return Forward(status);
   if (!graph) return Forward(graph);
   config.graph = std::move(*graph);
+  config.graph.hash = HashOf(*document, config.graph.hash);
   if (capture) {
     auto plan = rig::ParseCapturePlan(*capture);
     if (!plan) return Forward(plan);

@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "estimator/estimate.h"
+#include "rig/capture/closure_check.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
 
@@ -141,6 +142,10 @@ Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstim
   const double load_s = SecondsSince(start);
   auto output = estimator::EstimateScene(*keyframes, geometry, rays, *estimator_options);
   if (!output) return Forward(output);
+  const auto closure = rig::CheckClosure(folder);
+  if (!closure) return Forward(closure);
+  if (*closure && !(*closure)->closed)
+    output->estimate.notes.push_back({"closure-open", (*closure)->text});
   return Computed{std::move(*session), std::move(*keyframes), std::move(geometry),
                   std::move(*output), load_s};
 }

@@ -14,7 +14,7 @@
 namespace turnlight {
 namespace {
 
-// "process 1234 on host lab3 since 2024-05-01T12:00:00Z"
+// "process 1234 (turnlight) on host lab3 since 2024-05-01T12:00:00Z"
 std::string DescribeThisProcess() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
@@ -23,8 +23,8 @@ std::string DescribeThisProcess() {
   struct tm utc {};
   ::gmtime_r(&now, &utc);
   std::strftime(start.data(), start.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return "process " + std::to_string(::getpid()) + " on host " + host.data() + " since " +
-         start.data();
+  return "process " + std::to_string(::getpid()) + " (" + program_invocation_short_name +
+         ") on host " + host.data() + " since " + start.data();
 }
 
 // The lock counts only on the file that the path names: another process may have removed it between

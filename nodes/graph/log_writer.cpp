@@ -53,7 +53,8 @@ Result<std::unique_ptr<LogWriter>> LogWriter::Create(const std::filesystem::path
   std::unique_ptr<LogWriter> writer(new LogWriter(path, fd));
   writer->Write(EncodeHeader(header));
   writer->Sync();
-  if (!writer->failed() && !SyncFolder(path)) writer->Fail("cannot sync its folder");
+  if (!writer->failed() && !SyncFolder(path))
+    writer->Fail(std::string("cannot sync its folder: ") + std::strerror(errno));
   if (Status status = writer->status(); !status) return Forward(status);
   return writer;
 }

@@ -12,6 +12,7 @@ constexpr double kLitLevel = 0.01;         // of white
 constexpr double kMadToSigma = 1.4826;     // of a normal distribution
 constexpr double kSecondDifference = 6.0;  // variance of a - 2b + c over that of each
 constexpr double kRoundingVariance = 1.0 / 12.0;
+constexpr int kBlock = 8;  // pixels
 
 // Levels of all channels, as float; NaN stays.
 cv::Mat1f ToLevels(const cv::Mat& image, const calib::Radiometry& radiometry) {
@@ -42,6 +43,35 @@ double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+// Fills in the blocks' part. counts(row, i): whether a value takes part.
+template <typename Counts>
+void CompareBlocks(const cv::Mat1f& a, const cv::Mat1f& b, int channels, const Counts& counts,
+                   FrameDifference& result) {
+  double sum_sigmas = 0.0, sum_squares = 0.0, sum_levels = 0.0;
+  int blocks = 0;
+  const int width = kBlock * channels;
+  for (int top = 0; top < a.rows; top += kBlock)
+    for (int left = 0; left < a.cols; left += width) {
+      double difference = 0.0, level = 0.0;
+      int values = 0;
+      for (int row = top; row < std::min(top + kBlock, a.rows); ++row)
+        for (int i = left; i < std::min(left + width, a.cols); ++i) {
+          if (!counts(row, i)) continue;
+          difference += static_cast<double>(a(row, i)) - static_cast<double>(b(row, i));
+          level += 0.5 * (static_cast<double>(a(row, i)) + static_cast<double>(b(row, i)));
+          ++values;
+        }
+      if (2 * values < kBlock * width) continue;
+      ++blocks;
+      sum_sigmas += difference * difference / values / (result.noise_rms * result.noise_rms);
+      sum_squares += difference * difference / values / values;
+      sum_levels += level * level / values / values;
+    }
+  if (blocks == 0) return;
+  result.block_sigmas = std::sqrt(sum_sigmas / blocks);
+  result.block_share = std::sqrt(sum_squares / sum_levels);
 }
 
 }  // namespace
@@ -145,6 +175,7 @@ FrameDifference CompareFrames(const cv::Mat& first, const cv::Mat& second,
   const double measured =
       bends.empty() ? 0.0 : kMadToSigma * Median(std::move(bends)) / std::sqrt(kSecondDifference);
   result.noise_rms = std::max({measured, rounding, 1e-9});
+  CompareBlocks(a, b, channels, counts, result);
   return result;
 }
 

@@ -46,6 +46,12 @@ struct FrameDifference {
   double noise_rms = 0.0;  // what the pictures' own noise explains of it
   std::size_t pixels = 0;
   double Sigmas() const { return noise_rms > 0.0 ? rms / noise_rms : 0.0; }
+  // The same of means over blocks of 8 x 8 pixels and all channels, in which noise averages out
+  // and what has moved does not: the differences' rms in units of what noise explains, about 1 for
+  // two pictures of the same view; and their rms as a share of the blocks' rms level. Blocks that
+  // are lit in half of their pixels count; without any both are 0.
+  double block_sigmas = 0.0;
+  double block_share = 0.0;
 };
 // Same size and type, not empty. The noise is measured in the pictures: from second differences
 // along rows of their difference, in which the scene cancels; at least that of rounding to whole

@@ -16,7 +16,7 @@ namespace {
 
 // Starts the program with its two outputs sent to files.
 pid_t Spawn(const std::vector<std::string>& arguments, const std::string& out,
-            const std::string& err) {
+            const std::string& err, const std::vector<std::string>& environment) {
   std::vector<char*> argv{const_cast<char*>(TURNLIGHT_PROGRAM)};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -25,6 +25,7 @@ pid_t Spawn(const std::vector<std::string>& arguments, const std::string& out,
   const int flags = O_WRONLY | O_CREAT | O_TRUNC;
   ::dup2(::open(out.c_str(), flags, 0600), STDOUT_FILENO);
   ::dup2(::open(err.c_str(), flags, 0600), STDERR_FILENO);
+  for (const std::string& variable : environment) ::putenv(const_cast<char*>(variable.c_str()));
   ::execv(TURNLIGHT_PROGRAM, argv.data());
   ::_exit(127);
 }
@@ -32,7 +33,7 @@ pid_t Spawn(const std::vector<std::string>& arguments, const std::string& out,
 }  // namespace
 
 pid_t Start(const std::vector<std::string>& arguments) {
-  return Spawn(arguments, "/dev/null", "/dev/null");
+  return Spawn(arguments, "/dev/null", "/dev/null", {});
 }
 
 int Finish(pid_t process) {
@@ -41,10 +42,11 @@ int Finish(pid_t process) {
   return WEXITSTATUS(status);
 }
 
-Outcome RunProgram(const std::vector<std::string>& arguments) {
+Outcome RunProgram(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& environment) {
   const TemporaryFolder folder;
   Outcome outcome;
-  outcome.exit_code = Finish(Spawn(arguments, folder / "out", folder / "err"));
+  outcome.exit_code = Finish(Spawn(arguments, folder / "out", folder / "err", environment));
   outcome.out = ReadText(folder / "out");
   outcome.err = ReadText(folder / "err");
   return outcome;
@@ -66,6 +68,20 @@ std::string ReadText(const std::filesystem::path& path) {
 
 void WriteText(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string SmallRunConfig() {
+  std::string text =
+      ReadText(std::filesystem::path(TURNLIGHT_SOURCE_DIR) / "configs/simulated_orbit.yaml");
+  const auto replace = [&text](const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    text.replace(at, what.size(), by);
+  };
+  replace("count: 36", "count: 3");
+  replace("step_deg: 10", "step_deg: 120");
+  replace("size: [320, 240], focal_px: 520", "size: [64, 48], focal_px: 104");
+  return text;
 }
 
 rig::SyntheticConfig SmallConfig() {

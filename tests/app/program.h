@@ -17,8 +17,9 @@ struct Outcome {
   std::string err;     // standard error
 };
 
-// Runs the program to its end.
-Outcome RunProgram(const std::vector<std::string>& arguments);
+// Runs the program to its end. environment: further variables, NAME=VALUE.
+Outcome RunProgram(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& environment = {});
 
 // Starts the program with its output thrown away; Finish waits for its end.
 pid_t Start(const std::vector<std::string>& arguments);
@@ -44,6 +45,9 @@ void WriteText(const std::filesystem::path& path, const std::string& text);
 
 // A small noiseless config: a ball under one near light, three views of 80 x 60 pixels, 16 bits.
 rig::SyntheticConfig SmallConfig();
+
+// configs/simulated_orbit.yaml with three frames of 64 x 48 pixels.
+std::string SmallRunConfig();
 
 // Writes the config's session; a test failure if that is not possible.
 void WriteSession(const rig::SyntheticConfig& config, const std::filesystem::path& folder);

@@ -3,6 +3,8 @@
 // refusals. Does not test accuracy, nor real devices.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -114,6 +116,113 @@ TEST_F(Run, PausesWithEveryGoodFrameKept) {
   const Outcome paused = RunProgram({"capture", faulty, "--out", Out("paused")});
   EXPECT_EQ(paused.exit_code, 3) << paused.err;
   EXPECT_NE(paused.err.find("3 frames are missing"), std::string::npos) << paused.err;
+}
+
+TEST_F(Run, FaultsLeaveNoTraceInTheSession) {
+  const auto capture = [this](const std::string& name) {
+    std::string text =
+        *ReadFile(fs::path(TURNLIGHT_SOURCE_DIR) / "configs" / ("simulated_" + name + ".yaml"));
+    Replace(text, "name: simulated_" + name, "name: same");
+    Replace(text, "count: 36", "count: 24");  // the last fault is at keyframe 21
+    Replace(text, "size: [320, 240], focal_px: 640", "size: [80, 60], focal_px: 160");
+    std::ofstream(root_ / (name + ".yaml")) << text;
+    const Outcome outcome =
+        RunProgram({"capture", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_EQ(capture("turntable").find("retry"), std::string::npos);
+  const std::string faults = capture("faults");
+  for (const std::string frame : {"3", "5", "9", "11", "13", "15", "17", "19", "21"})
+    EXPECT_NE(faults.find("retry: frame " + frame + " ("), std::string::npos) << frame;
+  EXPECT_EQ(Session(Out("faults")), Session(Out("turntable")));
+}
+
+TEST_F(Run, AnOpenLoopTableThatLostStepsIsSeenByTheClosure) {
+  const auto with = [this](const std::string& name, const std::string& deg) {
+    std::string text = *ReadFile(config_);
+    Replace(text, "closure: false", "closure: true");
+    Replace(text, "backlash_deg: 0.05}", "backlash_deg: 0.05, feedback: open_loop}");
+    Replace(text, "  camera:\n",
+            "  faults: {list: [{at: {keyframe: 3}, fault: lost_steps, deg: " + deg +
+                "}]}\n  camera:\n");
+    std::ofstream(root_ / (name + ".yaml")) << text;
+    return RunProgram({"run", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
+  };
+  const auto notes = [this](const std::string& name) {
+    return nlohmann::json::parse(*ReadFile(Out(name) + "/result/result.json"))["notes"].dump();
+  };
+  const Outcome kept = with("kept", "0");
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_NE(kept.err.find("the table kept its place"), std::string::npos) << kept.err;
+  EXPECT_EQ(notes("kept").find("closure-open"), std::string::npos);
+  const Outcome lost = with("lost", "2");
+  EXPECT_EQ(lost.exit_code, 4) << lost.err;
+  EXPECT_NE(lost.err.find("not to be trusted"), std::string::npos) << lost.err;
+  EXPECT_NE(notes("lost").find("closure-open"), std::string::npos);
+  const Outcome verified = RunProgram({"verify", Out("lost") + "/session"});
+  EXPECT_EQ(verified.exit_code, 0);
+  EXPECT_NE(verified.out.find("remark: closure: "), std::string::npos) << verified.out;
+}
+
+TEST_F(Run, ResumeOfAFinishedRunDoesWhatIsMissing) {
+  ExpectRuns({"run", config_, "--out", Out("run")});
+  const std::string result = ResultWithoutTimes(Out("run") + "/result");
+  const Outcome again = RunProgram({"resume", Out("run")});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("nothing is left to do"), std::string::npos) << again.out;
+  fs::remove_all(Out("run") + "/result");
+  ExpectRuns({"resume", Out("run")});
+  EXPECT_EQ(ResultWithoutTimes(Out("run") + "/result"), result);
+  const Outcome nothing = RunProgram({"resume", Out("nowhere")});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_NE(nothing.err.find("no capture was begun here"), std::string::npos) << nothing.err;
+  EXPECT_FALSE(fs::exists(Out("nowhere")));
+}
+
+TEST_F(Run, ReplayWithAnotherRigIsRefusedAndNamed) {
+  ExpectRuns({"capture", config_, "--out", Out("run")});
+  std::string text = *ReadFile(Out("run") + "/config.yaml");
+  Replace(text, "distance: 480", "distance: 490");
+  std::ofstream(Out("run") + "/config.yaml") << text;
+  const Outcome outcome = RunProgram({"replay", Out("run") + "/log", "--out", Out("again")});
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("another \"rig\""), std::string::npos) << outcome.err;
+}
+
+// The main job as it ships.
+TEST_F(Run, TheMainConfigFindsItsLights) {
+  const std::string config =
+      (fs::path(TURNLIGHT_SOURCE_DIR) / "configs/simulated_turntable.yaml").string();
+  ExpectRuns({"run", config, "--out", Out("main")});
+  const auto result = nlohmann::json::parse(*ReadFile(Out("main") + "/result/result.json"));
+  const auto truth = nlohmann::json::parse(*ReadFile(Out("main") + "/session/truth.json"));
+  EXPECT_EQ(result["views"], 36);
+  ASSERT_EQ(result["lights"].size(), truth["lights"].size());
+  const auto near = [](const nlohmann::json& found, double is) {
+    EXPECT_NEAR(found.get<double>(), is, 0.03 * is);
+  };
+  const auto& is = truth["reflectance"];
+  const double brightest = truth["lights"][0]["intensity"];
+  for (std::size_t i = 0; i < result["lights"].size(); ++i) {
+    const auto& found = result["lights"][i];
+    const auto& light = truth["lights"][i];  // the strongest comes first in both
+    double cosine = 0.0;
+    for (int k = 0; k < 3; ++k)
+      cosine += found["direction"][k].get<double>() * light["direction"][k].get<double>();
+    EXPECT_LT(std::acos(std::min(cosine, 1.0)) * 180.0 / M_PI, 0.3) << i;
+    const double intensity = light["intensity"];
+    near(found["distance"], 1.0 / light["inverse_distance"].get<double>());
+    near(found["intensity"], intensity / brightest);
+    near(result["products"]["specular"][i], is["specular"].get<double>() * intensity);
+    for (std::size_t c = 0; c < 3; ++c)
+      near(result["products"]["diffuse"][i][c],
+           is["albedo"][c].get<double>() * is["diffuse"].get<double>() * intensity);
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    near(result["products"]["ambient"][c],
+         is["albedo"][c].get<double>() * is["ambient"].get<double>());
+  near(result["reflectance"]["shininess"], is["shininess"]);
 }
 
 TEST_F(Run, PlanAndGraphChangeNothing) {

@@ -34,7 +34,7 @@ TEST_F(LockFileTest, OneHolderAndItsName) {
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().kind, ErrorKind::kInput);
     EXPECT_THAT(second.error().text,
-                AllOf(HasSubstr("port: in use: process " + std::to_string(::getpid()) + " on host"),
+                AllOf(HasSubstr("port: in use: process " + std::to_string(::getpid()) + " ("),
                       MatchesRegex(".* since 20..-..-..T..:..:..Z")));
     const LockFile moved = std::move(*lock);
     EXPECT_FALSE(Take());
@@ -58,7 +58,7 @@ TEST_F(LockFileTest, HeldByAnotherProcessUntilItDies) {
   ASSERT_EQ(byte, 'y');
   const auto refused = Take();
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text, HasSubstr("process " + std::to_string(child) + " on host"));
+  EXPECT_THAT(refused.error().text, HasSubstr("process " + std::to_string(child) + " ("));
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
   EXPECT_TRUE(fs::exists(path_));

@@ -92,5 +92,19 @@ TEST(FrameCheck, ClosureSeesAShiftButNotNoise) {
   EXPECT_EQ(CompareFrames(Grey(0), Grey(0), Raw()).pixels, 0u);
 }
 
+TEST(FrameCheck, BlocksSeeWhatIsFarBelowThePixelsNoise) {
+  const cv::Mat first = Scene(1, 0);
+  cv::Mat brighter;  // by a tenth of the noise
+  cv::add(Scene(2, 0), cv::Scalar::all(3.0), brighter);
+  const auto same = CompareFrames(first, Scene(2, 0), Raw());
+  const auto other = CompareFrames(first, brighter, Raw());
+  EXPECT_NEAR(same.block_sigmas, 1.0, 0.35);  // of some thirty blocks
+  EXPECT_NEAR(same.block_share, 20.0 * std::sqrt(2.0) / 8.0 / 3000.0, 5e-4);
+  EXPECT_NEAR(other.Sigmas(), same.Sigmas(), 0.02);
+  EXPECT_GT(other.block_sigmas, same.block_sigmas + 0.2);
+  EXPECT_GT(CompareFrames(first, Scene(2, 1), Raw()).block_sigmas, 10.0);
+  EXPECT_EQ(CompareFrames(Grey(0), Grey(0), Raw()).block_sigmas, 0.0);
+}
+
 }  // namespace
 }  // namespace turnlight::rig
