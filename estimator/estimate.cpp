@@ -279,6 +279,64 @@ Scene FindStart(const Observations& all, const EstimateOptions& options, double 
   return candidate.scene;
 }
 
+// Thresholds are shares of white, for pictures that were exposed for what they show. A power of two
+// that brings others there; 1 for most.
+double ExposureLevel(const Observations& all) {
+  const double brightest = Brightest(all);
+  return brightest > 0.02 && brightest < 50.0 ? 1.0 : std::exp2(std::round(std::log2(brightest)));
+}
+
+void Scale(Reflectance& r, double by) {
+  r.ambient *= by;
+  r.diffuse *= by;
+  r.specular *= by;
+}
+
+// Radiances of an estimate times a factor.
+void Scale(Estimate& estimate, double by) {
+  Scale(estimate.reflectance, by);
+  for (auto* sigma : {&estimate.sigma.ambient, &estimate.sigma.diffuse, &estimate.sigma.specular,
+                      &estimate.stat.ambient, &estimate.stat.diffuse, &estimate.stat.specular,
+                      &estimate.initial_rms, &estimate.rms})
+    *sigma *= by;
+  for (auto* color :
+       {&estimate.ambient_product, &estimate.ambient_product_sigma, &estimate.stat.ambient_product})
+    *color *= by;
+  for (LightEstimate& light : estimate.lights) {
+    light.diffuse_product *= by;
+    light.diffuse_product_sigma *= by;
+    light.specular_product *= by;
+    light.specular_product_sigma *= by;
+  }
+  for (LightSigma& light : estimate.stat.lights) {
+    light.diffuse_product *= by;
+    light.specular_product *= by;
+  }
+  for (IterationRecord& record : estimate.history) record.rms *= by;
+}
+
+// The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
+// scaled back.
+Result<Estimate> EstimateAtLevel(const Observations& all, const std::vector<cv::Mat>& signatures,
+                                 const EstimateOptions& options, double level, Refined* refined) {
+  Observations scaled = all;
+  for (auto& channel : scaled.radiance)
+    for (float& value : channel) value /= static_cast<float>(level);
+  std::vector<cv::Mat> scaled_signatures;
+  for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
+  EstimateOptions scaled_options = options;
+  if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
+  auto estimate = EstimateObservations(scaled, scaled_signatures, scaled_options, nullptr, refined);
+  if (!estimate) return estimate;
+  Scale(*estimate, level);
+  estimate->notes.push_back(
+      {"exposure",
+       "The brightest radiance is about " + std::to_string(level) +
+           " of white: decisions, and the numbers in their reasons, take that as white."});
+  if (refined) Scale(refined->solution.scene.reflectance, level);
+  return estimate;
+}
+
 Result<Estimate> EstimateByPaper(const Observations& all, const IntensityMap& map,
                                  const PaperOptions& options, Refined* refined) {
   auto solution = SolveByPaper(all, map, options);
@@ -321,11 +379,13 @@ Result<Estimate> EstimateObservations(const Observations& all,
     by_paper->solve_s = Seconds() - mapped;
     return by_paper;
   }
+  const double level = ExposureLevel(all);
+  if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined);
   const Scene start = FindStart(all, options, noise, used_map, estimate);
   const double started = Seconds();
   Refined result = Refine(all, start, noise, options.max_iterations, estimate.ladder);
   FillEstimate(all, result, estimate);
-  estimate.initial_rms = estimate.history.front().rms;
+  estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   estimate.views = static_cast<int>(signatures.size());
   estimate.distinct_views = DistinctViews(signatures, noise);
   AddNotes(estimate);

@@ -193,7 +193,7 @@ bool NothingLeft(double excess, const Observations& observations, double noise) 
   return excess <= 1.5 * kExcessFloor * kExcessFloor + 4.0 * spread;
 }
 
-Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
+Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise) {
   Candidate best;
   best.scene = start;
   const Solution linear = SolveStart(sample, best, 15, false);
@@ -206,7 +206,11 @@ Candidate FitAndEliminate(const Observations& sample, const Scene& start, double
     if (!MergeAndPrune(merged.scene) || merged.scene.lights.empty()) break;
     best = Refit(sample, merged, 20, noise);
   }
-  return Eliminate(sample, best, noise);
+  return best;
+}
+
+Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
+  return Eliminate(sample, FitAndMerge(sample, start, noise), noise);
 }
 
 Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise) {

@@ -37,7 +37,8 @@ struct Candidate {
 };
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise);
 
-// The last part of it, from what is already a fit.
+// Its parts: all but the elimination, and the elimination from what is already a fit.
+Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise);
 Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise);
 
 // The residual variance per value above noise^2, at least a floor that stands for what the model

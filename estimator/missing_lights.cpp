@@ -14,8 +14,9 @@ constexpr int kDirections = 200;  // 14 degrees apart on the sphere
 constexpr double kPeakSeparationDeg = 20.0;
 constexpr std::size_t kMostPeaks = 8;
 constexpr double kLeastGain = 0.05;  // of the best direction's
-constexpr int kMostRounds = 4;
-constexpr double kWorthIt = 3.0;         // of the excess variance, per round
+constexpr int kMostRounds = 5;
+constexpr double kWorthGoingOn = 1.2;    // of the excess variance, per round
+constexpr double kWorthIt = 3.0;         // of the excess variance, in all
 constexpr double kNewDistance = 0.05;    // 1/R
 constexpr std::size_t kMostLights = 40;  // more would cost more than they could tell
 
@@ -84,20 +85,24 @@ std::vector<Light> Peaks(const std::vector<Gain>& gains, std::size_t room) {
 }  // namespace
 
 Candidate AddMissingLights(const Observations& sample, Candidate candidate, double noise) {
+  Candidate grown = candidate;
   for (int round = 0; round < kMostRounds; ++round) {
-    const std::size_t lights = candidate.scene.lights.size();
-    if (NothingLeft(candidate.excess, sample, noise) || lights >= kMostLights) break;
-    Scene start = candidate.scene;
-    const std::vector<Light> peaks = Peaks(Gains(sample, candidate), kMostLights - lights);
+    const std::size_t lights = grown.scene.lights.size();
+    if (NothingLeft(grown.excess, sample, noise) || lights >= kMostLights) break;
+    Scene start = grown.scene;
+    const std::vector<Light> peaks = Peaks(Gains(sample, grown), kMostLights - lights);
     if (peaks.empty()) break;
     start.lights.insert(start.lights.end(), peaks.begin(), peaks.end());
-    Candidate more = FitAndEliminate(sample, start, noise);
-    if (more.excess * kWorthIt > candidate.excess) break;
-    more.rms_history.insert(more.rms_history.begin(), candidate.rms_history.begin(),
-                            candidate.rms_history.end());
-    candidate = std::move(more);
+    Candidate more = FitAndMerge(sample, start, noise);
+    if (more.excess * kWorthGoingOn > grown.excess) break;
+    more.rms_history.insert(more.rms_history.begin(), grown.rms_history.begin(),
+                            grown.rms_history.end());
+    grown = std::move(more);
   }
-  return candidate;
+  if (grown.excess * kWorthIt > candidate.excess) return candidate;
+  // Only from a fit that explains the pictures can it be told which lights are needed.
+  grown = Eliminate(sample, grown, noise);
+  return grown.excess * kWorthIt > candidate.excess ? candidate : grown;
 }
 
 }  // namespace turnlight::estimator

@@ -6,8 +6,8 @@
 namespace turnlight::estimator {
 
 // A matched filter: how much a weak light from each of many directions would lower the cost, its
-// peaks added as lights, and everything fitted and thinned out again; as long as each round makes
-// the excess variance three times smaller. Returns the candidate itself if nothing helps.
+// peaks added as lights and everything fitted again, as long as that helps; then thinned out.
+// Returns the candidate itself if the excess variance does not get three times smaller.
 Candidate AddMissingLights(const Observations& sample, Candidate candidate, double noise);
 
 }  // namespace turnlight::estimator

@@ -15,6 +15,7 @@ constexpr std::size_t kMaxClusters = 12;
 constexpr int kLatticeLights = 24;
 constexpr double kRatioPerLight = 3.0;
 constexpr double kRoughRatio = 1.25;
+constexpr double kFirstRoughness = 0.3;       // radians
 constexpr double kMinSpecularPeak = 0.003;    // of white
 constexpr double kMinInverseDistance = 5e-4;  // rho R
 constexpr double kSignificance = 3.0;
@@ -91,16 +92,22 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   const Uncertainty sigma =
       EstimateUncertainty(out.solution, observations, order, out.options).total;
   const Reported reported = Report(scene, observations, order);
-  double peak = 0.0;
-  for (const ReportedLight& light : reported.lights) peak = std::max(peak, light.specular_product);
-  const double own = sigma.lights.empty() ? 0.0 : sigma.lights.front().specular_product;
+  // The highlight as it is at the target, wherever W's origin is.
+  double strongest = 0.0;
+  for (const Light& light : scene.lights) strongest = std::max(strongest, light.intensity);
+  const double peak = scene.reflectance.specular * strongest;
+  const double relative =
+      sigma.lights.empty() || !(reported.lights.front().specular_product > 0.0)
+          ? 1.0
+          : sigma.lights.front().specular_product / reported.lights.front().specular_product;
+  const double own = relative * peak;
   const bool matters = peak >= kMinSpecularPeak && peak > kSignificance * own;
   ladder.push_back({"specular", matters,
                     Text("the strongest highlight is %.3g of white with sigma %.2g; it counts from "
                          "%.3g and 3 sigma",
                          peak, own, kMinSpecularPeak)});
   if (matters) return;
-  out.specular_sigma = own;
+  out.specular_sigma = sigma.lights.empty() ? own : sigma.lights.front().specular_product;
   out.solution.scene.reflectance.specular_model = SpecularModel::kNone;
   out.solution.scene.reflectance.specular = 0.0;
   SolveOn(observations, out);
@@ -141,6 +148,13 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
   SolveOn(observations, out);
 }
 
+// Fewer lights are better unless more make the excess variance three times smaller.
+bool Better(const Candidate& a, const Candidate& b) {
+  const std::size_t la = a.scene.lights.size(), lb = b.scene.lights.size();
+  const double more = la > lb ? kRatioPerLight : la < lb ? 1.0 / kRatioPerLight : 1.0;
+  return a.excess * more < b.excess;
+}
+
 }  // namespace
 
 Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
@@ -148,52 +162,55 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
   std::vector<Eigen::Vector3d> directions;
   for (const MapPoint& cluster : clusters)
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
-  Candidate from_map = FitAndEliminate(sample, StartFromDirections(sample, directions), noise);
-  if (NothingLeft(from_map.excess, sample, noise)) {
-    ladder.push_back({"start", true,
-                      Text("the intensity map's clusters lead to %.0f lights that explain the "
-                           "pictures down to the noise (excess variance %.3g)",
-                           static_cast<double>(from_map.scene.lights.size()), from_map.excess)});
-    return from_map;
-  }
-  from_map = AddMissingLights(sample, std::move(from_map), noise);
-  if (NothingLeft(from_map.excess, sample, noise)) {
-    ladder.push_back(
-        {"start", true,
-         Text("the intensity map's clusters, and what they leave in the residual, lead "
-              "to %.0f lights that explain the pictures down to the noise (excess "
-              "variance %.3g)",
-              static_cast<double>(from_map.scene.lights.size()), from_map.excess)});
-    return from_map;
-  }
   const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample));
-  Candidate from_lattice = AddMissingLights(
-      sample, FitAndEliminate(sample, StartFromDirections(sample, lattice), noise), noise);
-  // Every light of either is needed: the excess variance would be three times as large without it.
-  const double ratio =
-      from_lattice.scene.lights.size() > from_map.scene.lights.size() ? kRatioPerLight : 1.0;
-  const bool lattice_wins = from_map.excess > from_lattice.excess * ratio;
-  ladder.push_back(
-      {"start", !lattice_wins,
-       Text("the intensity map's clusters lead to %.0f lights with an excess variance of %.3g",
-            static_cast<double>(from_map.scene.lights.size()), from_map.excess) +
-           Text(", the lattice to %.0f with %.3g",
-                static_cast<double>(from_lattice.scene.lights.size()), from_lattice.excess)});
-  return lattice_wins ? from_lattice : from_map;
+  const struct {
+    const char* name;
+    const std::vector<Eigen::Vector3d>& directions;
+    DiffuseModel diffuse;
+  } starts[] = {{"the intensity map's clusters", directions, DiffuseModel::kLambert},
+                {"the map with Oren-Nayar", directions, DiffuseModel::kOrenNayar},
+                {"a lattice of lights", lattice, DiffuseModel::kLambert},
+                {"the lattice with Oren-Nayar", lattice, DiffuseModel::kOrenNayar}};
+  Candidate best;
+  const char* winner = nullptr;
+  std::string tried;
+  for (const auto& start : starts) {
+    Scene scene = StartFromDirections(sample, start.directions);
+    scene.reflectance.diffuse_model = start.diffuse;
+    if (start.diffuse == DiffuseModel::kOrenNayar) scene.reflectance.roughness = kFirstRoughness;
+    Candidate candidate = AddMissingLights(sample, FitAndEliminate(sample, scene, noise), noise);
+    tried += (winner ? "; " : "") + std::string(start.name) +
+             Text(" lead to %.0f lights with an excess variance of %.3g",
+                  static_cast<double>(candidate.scene.lights.size()), candidate.excess);
+    const bool done = NothingLeft(candidate.excess, sample, noise);
+    if (winner == nullptr || Better(candidate, best)) {
+      best = std::move(candidate);
+      winner = start.name;
+    }
+    if (done) break;
+  }
+  ladder.push_back({"start", true, tried + ". Taken: " + winner});
+  return best;
 }
 
 Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
                         std::vector<Rung>& ladder) {
-  if (NothingLeft(candidate.excess, sample, noise)) {
-    ladder.push_back({"oren-nayar", false,
-                      Text("with Lambert the excess variance is %.3g: nothing is left to explain",
-                           candidate.excess)});
+  const bool rough_already = candidate.scene.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
+  if (rough_already || NothingLeft(candidate.excess, sample, noise)) {
+    if (rough_already)
+      ladder.push_back({"oren-nayar", true,
+                        Text("only with it the lights explain the pictures (excess variance %.3g)",
+                             candidate.excess)});
+    else
+      ladder.push_back({"oren-nayar", false,
+                        Text("with Lambert the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
     return candidate;
   }
   candidate = Eliminate(sample, candidate, noise);
   Candidate start = candidate;
   start.scene.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
-  start.scene.reflectance.roughness = 0.3;
+  start.scene.reflectance.roughness = kFirstRoughness;
   Candidate rough = Eliminate(sample, start, noise);
   const double lights = static_cast<double>(candidate.scene.lights.size());
   const double rough_lights = static_cast<double>(rough.scene.lights.size());

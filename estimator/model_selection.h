@@ -17,9 +17,9 @@ struct Rung {  // one decision about the model, in the order they were taken
   std::string why;
 };
 
-// The start without a hint: the intensity map's clusters, and an over-complete lattice of lights as
-// fall-back for targets without a highlight; both are fitted and thinned out, and the better one
-// stays (more lights only if the excess variance falls threefold for each).
+// The start without a hint: the intensity map's clusters; if they and what they miss do not explain
+// the pictures, also with Oren-Nayar, and an over-complete lattice of lights. Each is fitted and
+// thinned out, and the best stays (more lights only if the excess variance falls threefold).
 Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
                      double noise, std::vector<Rung>& ladder);
 

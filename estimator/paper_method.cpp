@@ -135,9 +135,9 @@ Scene PaperProblem::ToScene(const Eigen::VectorXd& variables) const {
 }
 
 double PaperProblem::Cost(const Eigen::VectorXd& variables, Eigen::VectorXd* gradient) const {
-  const NormalEquations sums =
-      Evaluate(observations_, ToScene(variables),
-               {.samples_per_side = {}, .huber = 0.0, .gradient_only = true});
+  EvaluateOptions gradient_only;
+  gradient_only.gradient_only = true;
+  const NormalEquations sums = Evaluate(observations_, ToScene(variables), gradient_only);
   // The kernel's cost is half the sum of squares.
   const double scale = 2.0 / (static_cast<double>(observations_.used) * observations_.channels);
   if (!gradient) return scale * sums.cost;

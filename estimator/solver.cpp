@@ -279,7 +279,8 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
   solution.equations = Evaluate(observations, solution.scene, options.evaluate);
   for (const auto& iteration : summary.iterations) solution.cost_history.push_back(iteration.cost);
   solution.free = FreeColumns(blocked, limits);
-  solution.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  // None at all if the start cannot even be evaluated.
+  solution.iterations = std::max(static_cast<int>(summary.iterations.size()) - 1, 0);
   solution.evaluate = options.evaluate;
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
   return solution;
