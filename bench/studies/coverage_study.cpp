@@ -23,7 +23,9 @@ constexpr int kWidth = 120, kHeight = 90;  // small pictures: the noise counts, 
 constexpr std::uint64_t kNoiseStream = std::uint64_t{1} << 52;
 
 bool Fits(const rig::SyntheticConfig& config) {
-  return !std::holds_alternative<rig::Blob>(config.target) && config.sensor.noise_relative >= 0.002;
+  return !std::holds_alternative<rig::Blob>(config.target) &&
+         config.sensor.noise_relative >= kLeastNoise &&
+         std::get<std::vector<rig::LightSpec>>(config.lights).size() <= kMostLights;
 }
 
 Result<rig::SyntheticConfig> CoverageScene(int scene) {
