@@ -132,6 +132,11 @@ void AddFloatCells(std::vector<ExtremeCell>& cells) {
 }  // namespace
 
 void AddPictureCells(std::vector<ExtremeCell>& cells) {
+  SyntheticConfig table = PlainConfig();
+  table.motion = {rig::MotionKind::kTable, 36, 10.0, 420.0, 30.0, 0.0};
+  Add(cells, "views, all the same picture", "36 identical", table, [](SyntheticSession& s) {
+    for (rig::SyntheticFrame& frame : s.frames) frame.image = s.frames[0].image;
+  });
   for (const double radii : {1.0, 10.0, 100.0, 1e4})
     Add(cells, "W's origin away", Text(radii) + " radii", PlainConfig(),
         [radii](SyntheticSession& s) {
