@@ -16,20 +16,28 @@ namespace turnlight::studies {
 namespace {
 
 constexpr int kDraws = 20;
-constexpr int kScenesPerNumber = 3;  // a lump or a clean scene makes way for the next number
+constexpr int kNumbersPerScene = 10;  // the first that fits is taken
+constexpr std::size_t kMostLights = 4;
+constexpr double kLeastNoise = 0.002;
+constexpr int kWidth = 120, kHeight = 90;  // small pictures: the noise counts, and it is quick
 constexpr std::uint64_t kNoiseStream = std::uint64_t{1} << 52;
 
 bool Fits(const rig::SyntheticConfig& config) {
-  return !std::holds_alternative<rig::Blob>(config.target) && config.sensor.noise_relative >= 0.002;
+  return !std::holds_alternative<rig::Blob>(config.target) &&
+         config.sensor.noise_relative >= kLeastNoise &&
+         std::get<std::vector<rig::LightSpec>>(config.lights).size() <= kMostLights;
 }
 
-// Numbers 3 i, 3 i + 1, 3 i + 2, the first that fits.
 Result<rig::SyntheticConfig> CoverageScene(int scene) {
-  for (int i = 0; i < kScenesPerNumber; ++i) {
-    auto config = RandomScene(static_cast<std::uint64_t>(scene * kScenesPerNumber + i));
-    if (config && Fits(*config)) return config;
+  for (int i = 0; i < kNumbersPerScene; ++i) {
+    auto config = RandomScene(static_cast<std::uint64_t>(scene * kNumbersPerScene + i));
+    if (!config || !Fits(*config)) continue;
+    config->camera.focal_px *= static_cast<double>(kWidth) / config->camera.width;
+    config->camera.width = kWidth;
+    config->camera.height = kHeight;
+    return config;
   }
-  return InputError("none of its three numbers has noise and is no lump");
+  return InputError("none of its numbers has noise, few lights and is no lump");
 }
 
 // The pictures without noise, and the sensor that photographs them again and again.

@@ -132,6 +132,11 @@ void AddFloatCells(std::vector<ExtremeCell>& cells) {
 }  // namespace
 
 void AddPictureCells(std::vector<ExtremeCell>& cells) {
+  SyntheticConfig table = PlainConfig();
+  table.motion = {rig::MotionKind::kTable, 36, 10.0, 420.0, 30.0, 0.0};
+  Add(cells, "views, all the same picture", "36 identical", table, [](SyntheticSession& s) {
+    for (rig::SyntheticFrame& frame : s.frames) frame.image = s.frames[0].image;
+  });
   for (const double radii : {1.0, 10.0, 100.0, 1e4})
     Add(cells, "W's origin away", Text(radii) + " radii", PlainConfig(),
         [radii](SyntheticSession& s) {
@@ -145,12 +150,10 @@ void AddPictureCells(std::vector<ExtremeCell>& cells) {
         [share](SyntheticSession& s) { SpoilPixels(s, share); });
   SyntheticConfig lump = PlainConfig();
   lump.target = rig::Blob{40.0, 0.15, 96};
-  for (const double angle : {0.0, 1.0, 3.0, 10.0}) {
-    Add(cells, "normals wrong, one tilt", Text(angle) + " deg", lump,
-        [angle](SyntheticSession& s) { TurnNormals(s, DegToRad(angle), false); });
-    Add(cells, "normals wrong, each", Text(angle) + " deg", lump,
-        [angle](SyntheticSession& s) { TurnNormals(s, DegToRad(angle), true); });
-  }
+  for (const bool each : {false, true})
+    for (const double angle : {0.0, 1.0, 3.0, 10.0})
+      Add(cells, each ? "normals wrong, each" : "normals wrong, one tilt", Text(angle) + " deg",
+          lump, [angle, each](SyntheticSession& s) { TurnNormals(s, DegToRad(angle), each); });
   for (const double depth : {0.05, 0.2, 0.5})
     Add(cells, "dirt, a third darker by", Text(100.0 * depth) + " %", PlainConfig(),
         [depth](SyntheticSession& s) { AddDirt(s, depth); });

@@ -115,7 +115,11 @@ void AddViewCells(std::vector<ExtremeCell>& cells) {
     c.motion.step_deg = 360.0 / views;
     if (views > 100) c.samples_per_side = 3;
   });
-  Add(cells, "views", "36 identical (sphere on the table)", [](SyntheticConfig& c) {
+  Add(cells, "views", "1, no noise", [](SyntheticConfig& c) {
+    c.motion.frames = 1;
+    c.sensor.noise_relative = 0.0;
+  });
+  Add(cells, "views", "36 that differ by noise only", [](SyntheticConfig& c) {
     c.motion.kind = rig::MotionKind::kTable;
     c.motion.frames = 36;
     c.motion.step_deg = 10.0;

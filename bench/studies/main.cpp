@@ -111,7 +111,7 @@ int Main(int argc, char** argv) {
       AddStudy(app, "handstart", "Random scenes, started 10 to 70 degrees off", "0:100", handstart);
   CLI::App* coverage_command =
       AddStudy(app, "coverage", "Random scenes, 20 draws of noise each: do the intervals hold?",
-               "0:36", coverage);
+               "0:32", coverage);
   CLI::App* extremes_command =
       app.add_subcommand("extremes", "One thing at a time taken to its extreme");
   extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");

@@ -146,7 +146,7 @@ std::string CellRow(const Json& record) {
       worst = &quantity;
   }
   return begin +
-         Format("%d of %d | %.2g | %.2g | %s %.2g | ", record["lights_found"].get<int>(),
+         Format("%d of %d | %.3g | %.2g | %s %.3g | ", record["lights_found"].get<int>(),
                 record["lights_true"].get<int>(), WorstDirection(record), sigma,
                 worst ? worst->name.c_str() : "",
                 worst ? worst->ErrorInSigmas().value_or(INFINITY) : 0.0) +

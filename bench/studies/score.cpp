@@ -33,12 +33,12 @@ void Add(std::vector<Quantity>& out, const std::string& name, int light, double 
 }
 
 const Json& At(const Json& object, const std::string& key) {
-  static const Json nothing;
-  return object.is_object() && object.contains(key) ? object[key] : nothing;
+  static const Json kNothing;
+  return object.is_object() && object.contains(key) ? object[key] : kNothing;
 }
 const Json& At(const Json& array, std::size_t index) {
-  static const Json nothing;
-  return array.is_array() && index < array.size() ? array[index] : nothing;
+  static const Json kNothing;
+  return array.is_array() && index < array.size() ? array[index] : kNothing;
 }
 
 void CompareLight(const Scene& truth, const Json& result, const Match& match,

@@ -29,9 +29,9 @@ std::vector<Job> EightJobs(Range arrangements);
 // about a random axis across it; nothing else is given.
 std::vector<Job> HandStartJobs(Range scenes);
 
-// Random scenes with noise (0.2 to 1 %), 20 draws of it each: how often the stated intervals hold
-// the truth. Lumps are left out (their shape hangs on the seed of the noise), and so are clean
-// scenes; scene i is the first that remains of the random scenes 3 i, 3 i + 1, 3 i + 2.
+// Random scenes with noise (0.2 to 1 %) and 1 to 4 lights, in pictures of 120 x 90, 20 draws of the
+// noise each: how often the stated intervals hold the truth. Lumps are left out (their shape hangs
+// on the seed of the noise). Scene i is the first that fits of the random scenes 10 i .. 10 i + 9.
 std::vector<Job> CoverageJobs(Range scenes);
 
 // One thing at a time taken to its extreme (extreme_cells.h).
