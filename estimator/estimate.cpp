@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "base/angles.h"
@@ -187,6 +188,19 @@ void AddNotes(Estimate& out) {
                          "distance_min is a 95 % bound."});
   if (out.stopped != "converged")
     out.notes.push_back({"not-converged", "The solver reached its limit of iterations."});
+}
+
+// Which lights there are was decided by what explains the pictures down to the noise.
+void AddCountNote(double noise, Estimate& out) {
+  constexpr double kUnexplained = 2.0;
+  if (out.rms <= kUnexplained * noise) return;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "The model leaves %.3g rms of the pictures unexplained, %.1f times their noise: a "
+                "light, a shadow or a property of the surface may be missing, and the number of "
+                "lights is uncertain.",
+                out.rms, out.rms / std::max(noise, 1e-12));
+  out.notes.push_back({"count-uncertain", text});
 }
 
 std::vector<cv::Mat1f> ResidualMaps(const Observations& all, const Scene& scene,
@@ -383,12 +397,17 @@ Result<Estimate> EstimateObservations(const Observations& all,
   if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined);
   const Scene start = FindStart(all, options, noise, used_map, estimate);
   const double started = Seconds();
-  Refined result = Refine(all, start, noise, options.max_iterations, estimate.ladder);
-  FillEstimate(all, result, estimate);
-  estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   estimate.views = static_cast<int>(signatures.size());
   estimate.distinct_views = DistinctViews(signatures, noise);
+  SolveOptions solve;
+  solve.max_iterations = options.max_iterations;
+  if (estimate.distinct_views > 0)
+    solve.redundancy = static_cast<double>(estimate.views) / estimate.distinct_views;
+  Refined result = Refine(all, start, noise, solve, estimate.ladder);
+  FillEstimate(all, result, estimate);
+  estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   AddNotes(estimate);
+  AddCountNote(noise, estimate);
   estimate.initial_s = started - begin;
   estimate.solve_s = Seconds() - started;
   if (refined) *refined = std::move(result);

@@ -228,9 +228,9 @@ Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double 
 }
 
 Refined Refine(const Observations& observations, const Scene& start, double noise,
-               int max_iterations, std::vector<Rung>& ladder) {
+               const SolveOptions& options, std::vector<Rung>& ladder) {
   Refined out;
-  out.options.max_iterations = max_iterations;
+  out.options = options;
   out.solution.scene = start;
   SolveOn(observations, out);
   ChooseLoss(observations, noise, out, ladder);

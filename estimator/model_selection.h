@@ -43,6 +43,6 @@ struct Refined {
   int iterations = 0;
 };
 Refined Refine(const Observations& observations, const Scene& start, double noise,
-               int max_iterations, std::vector<Rung>& ladder);
+               const SolveOptions& options, std::vector<Rung>& ladder);
 
 }  // namespace turnlight::estimator

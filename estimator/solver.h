@@ -27,6 +27,8 @@ struct SolveOptions {
   bool free_directions = true;
   std::vector<bool> fixed_distance;  // per light; empty: all distances are free
   EvaluateOptions evaluate;
+  // Views per distinct view: what repeats tells nothing new, and covariances are as much larger.
+  double redundancy = 1.0;
 };
 
 struct Solution {

@@ -98,8 +98,8 @@ Covariance Invert(const Solution& solution, const Observations& observations,
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
   const double values = ValueCount(observations, solution.evaluate);
-  const double variance =
-      2.0 * solution.equations.cost / std::max(values - static_cast<double>(n), 1.0);
+  const double variance = options.redundancy * 2.0 * solution.equations.cost /
+                          std::max(values - static_cast<double>(n), 1.0);
   out.variance = variance;
   double smallest = largest;
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -208,7 +208,7 @@ struct Parts {
 };
 
 Parts PartsOf(const Solution& solution, const Observations& observations,
-              const Covariance& covariance, const Eigen::MatrixXd& jacobian) {
+              const Covariance& covariance, const Eigen::MatrixXd& jacobian, double redundancy) {
   Parts out;
   out.stat = jacobian * covariance.matrix * jacobian.transpose();
   out.model = Eigen::MatrixXd::Zero(out.stat.rows(), out.stat.cols());
@@ -218,7 +218,7 @@ Parts PartsOf(const Solution& solution, const Observations& observations,
   const Eigen::MatrixXd inverse = covariance.matrix / covariance.variance;
   const double clusters = static_cast<double>(splits.cluster_count);
   const Eigen::MatrixXd outer =
-      splits.clusters(unknowns, unknowns) * (clusters / std::max(clusters - 1.0, 1.0));
+      splits.clusters(unknowns, unknowns) * (redundancy * clusters / std::max(clusters - 1.0, 1.0));
   const Eigen::MatrixXd carried = jacobian * inverse;
   const Eigen::VectorXd sandwich = (carried * outer * carried.transpose()).diagonal();
   const Eigen::VectorXd more =
@@ -325,7 +325,8 @@ Uncertainties EstimateUncertainty(const Solution& solution, const Observations& 
   const Columns columns{observations.channels, static_cast<int>(solution.scene.lights.size())};
   const Covariance covariance = Invert(solution, observations, columns, options);
   const Carried carried = CarryOver(solution, observations, order, columns, covariance);
-  const Parts parts = PartsOf(solution, observations, covariance, carried.jacobian);
+  const Parts parts =
+      PartsOf(solution, observations, covariance, carried.jacobian, options.redundancy);
   Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
                     Unflatten(parts.stat, carried.unknown, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
