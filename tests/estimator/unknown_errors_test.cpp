@@ -26,6 +26,10 @@ double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
+std::vector<rig::LightSpec>& LightsOf(rig::SyntheticConfig& config) {
+  return std::get<std::vector<rig::LightSpec>>(config.lights);
+}
+
 // The largest distance, degrees, of a light of the scene from its nearest estimate.
 double WorstDirection(const Estimate& estimate, const std::vector<rig::LightSpec>& lights) {
   double worst = 0.0;
@@ -159,21 +163,22 @@ TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
   config.motion.step_deg = 36.0;
   config.camera = {.width = 160, .height = 120, .focal_px = 320.0, .distortion = {}};
   config.sensor.noise_relative = 0.002;
-  config.reflectance->shininess = 60.0;
-  config.lights->clear();
+  std::get<Reflectance>(config.reflectance).shininess = 60.0;
+  LightsOf(config).clear();
   for (int i = 0; i < 8; ++i) {
     const double azimuth = DegToRad(45.0 * i), zenith = DegToRad(i % 2 == 0 ? 25.0 : 60.0);
-    config.lights->push_back({.direction = {std::sin(zenith) * std::cos(azimuth),
-                                            std::sin(zenith) * std::sin(azimuth), std::cos(zenith)},
-                              .distance = 400.0 + 30.0 * i,
-                              .intensity = 0.3 + 0.03 * i});
+    LightsOf(config).push_back(
+        {.direction = {std::sin(zenith) * std::cos(azimuth), std::sin(zenith) * std::sin(azimuth),
+                       std::cos(zenith)},
+         .distance = 400.0 + 30.0 * i,
+         .intensity = 0.3 + 0.03 * i});
   }
   const auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output) << output.error().text;
   EXPECT_EQ(output->estimate.lights.size(), 8u);
-  EXPECT_LT(WorstDirection(output->estimate, *config.lights), 0.5);
+  EXPECT_LT(WorstDirection(output->estimate, LightsOf(config)), 0.5);
 }
 
 TEST(Sigmas, IdenticalViewsTellWhatOneTells) {
@@ -217,7 +222,7 @@ TEST(Levels, DarkPicturesGiveTheSameLights) {
   const auto dark = EstimateScene(keyframes, geometry, rays, {});
   ASSERT_TRUE(dark) << dark.error().text;
   ASSERT_EQ(dark->estimate.lights.size(), 2u);
-  EXPECT_LT(WorstDirection(dark->estimate, *config.lights), 0.1);
+  EXPECT_LT(WorstDirection(dark->estimate, LightsOf(config)), 0.1);
   EXPECT_NEAR(dark->estimate.rms / bright->estimate.rms / factor, 1.0, 0.05);
   for (std::size_t l = 0; l < 2; ++l)
     EXPECT_NEAR(
@@ -249,7 +254,7 @@ TEST(Sigmas, TotalCoversWhatTheModelLacks) {
   ASSERT_EQ(e.lights.size(), 2u);
   for (std::size_t l = 0; l < 2; ++l) {
     const double error =
-        DegToRad(Angle(e.lights[l].light.direction, (*config.lights)[l].direction));
+        DegToRad(Angle(e.lights[l].light.direction, LightsOf(config)[l].direction));
     EXPECT_LT(error, 4.0 * e.lights[l].direction_sigma);
     EXPECT_GT(error, 4.0 * e.stat.lights[l].direction) << "too small a fault to tell anything";
   }
