@@ -89,8 +89,9 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   const Scene& scene = out.solution.scene;
   if (scene.reflectance.specular_model == SpecularModel::kNone) return;
   const auto order = StrengthOrder(scene, observations);
+  // The statistical sigma: a highlight that the model describes badly is a highlight nevertheless.
   const Uncertainty sigma =
-      EstimateUncertainty(out.solution, observations, order, out.options).total;
+      EstimateUncertainty(out.solution, observations, order, out.options).stat;
   const Reported reported = Report(scene, observations, order);
   // The highlight as it is at the target, wherever W's origin is.
   double strongest = 0.0;

@@ -253,10 +253,11 @@ TEST(Sigmas, TotalCoversWhatTheModelLacks) {
   const Estimate& e = output->estimate;
   ASSERT_EQ(e.lights.size(), 2u);
   for (std::size_t l = 0; l < 2; ++l) {
-    const double error =
-        DegToRad(Angle(e.lights[l].light.direction, LightsOf(config)[l].direction));
-    EXPECT_LT(error, 4.0 * e.lights[l].direction_sigma);
-    EXPECT_GT(error, 4.0 * e.stat.lights[l].direction) << "too small a fault to tell anything";
+    const double truth = 0.4 * 0.6 * LightsOf(config)[l].intensity;
+    const double error = std::abs(e.lights[l].diffuse_product[0] - truth);
+    EXPECT_LT(error, 4.0 * e.lights[l].diffuse_product_sigma[0]);
+    EXPECT_GT(error, 4.0 * e.stat.lights[l].diffuse_product[0])
+        << "too small a fault to tell anything";
   }
 }
 
