@@ -38,6 +38,10 @@ estimator::Estimate Example() {
   distant.intensity_sigma = 0.01;
   distant.distance_min = 9000.0;
   e.lights = {near, distant};
+  e.stat.lights.resize(2);
+  e.stat.lights[0].direction = DegToRad(0.004);
+  e.stat.lights[0].distance = 0.5;
+  e.stat.lights[1].distance = 0.5;  // of a distance that is not given
   e.reflectance.albedo = {0.4, 0.9, 1.0};
   e.reflectance.specular = 0.35;
   e.reflectance.shininess = 40.0;
@@ -66,6 +70,9 @@ TEST(ResultJson, ValuesStandUnderTheirKeys) {
   EXPECT_EQ(json["model"]["near"], nlohmann::json({true, false}));
   EXPECT_EQ(json["model"]["ladder"][0]["accepted"], false);
   EXPECT_NEAR(json["lights"][0]["direction_sigma_deg"].get<double>(), 0.012, 1e-12);
+  EXPECT_NEAR(json["lights"][0]["stat"]["direction_sigma_deg"].get<double>(), 0.004, 1e-12);
+  EXPECT_EQ(json["lights"][0]["stat"]["distance_sigma"], 0.5);
+  EXPECT_TRUE(json["lights"][1]["stat"]["distance_sigma"].is_null());
   EXPECT_EQ(json["lights"][0]["position"], nlohmann::json({252.0, 336.0, 560.0}));
   EXPECT_EQ(json["lights"][0]["position_covariance"][1], nlohmann::json({0.0, 1.0, 0.0}));
   EXPECT_EQ(json["products"]["diffuse"][0], nlohmann::json({0.1, 0.2, 0.3}));
