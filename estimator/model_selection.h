@@ -23,7 +23,8 @@ struct Rung {  // one decision about the model, in the order they were taken
 Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
                      double noise, std::vector<Rung>& ladder);
 
-// Lambert or Oren-Nayar, on the sample: rough only if the excess variance falls by a quarter.
+// Lambert or Oren-Nayar, on the sample: rough only if the excess variance falls by a factor
+// of 1.25, or if it saves a light.
 Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
                         std::vector<Rung>& ladder);
 
