@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Draws, as SVG, how the estimates of runs on a simulated rig get better as keyframes come: error
-against the truth (solid) and stated sigma (dashed) of each light's direction and distance.
+against the truth (solid) and stated sigma_total (dashed) of each light's direction and distance.
 
-  turnlight run configs/simulated_orbit.yaml --out orbit
-  turnlight run configs/simulated_turntable.yaml --out turntable
-  bench/progress_plot.py docs/progress.svg orbit turntable
+  turnlight run configs/simulated_orbit.yaml --out simulated_orbit
+  turnlight run configs/simulated_turntable.yaml --out simulated_turntable
+  bench/progress_plot.py docs/progress.svg simulated_orbit simulated_turntable
 """
 import csv
 import json
@@ -73,7 +73,7 @@ def main(out, *runs):
         svg += panel(f"{name}: direction", "°", lights, 1, 0, row * HEIGHT)
         svg += panel(f"{name}: distance", "%", lights, 3, WIDTH, row * HEIGHT)
     height = len(runs) * HEIGHT + 24
-    svg.append(f'<text x="{MARGIN}" y="{height - 8}">keyframes; error solid, sigma dashed, '
+    svg.append(f'<text x="{MARGIN}" y="{height - 8}">keyframes; error solid, sigma_total dashed, '
                'a colour per light</text>')
     with open(out, "w") as file:
         file.write(f'<svg xmlns="http://www.w3.org/2000/svg" width="{2 * WIDTH}" height="{height}" '

@@ -23,14 +23,15 @@ struct Rung {  // one decision about the model, in the order they were taken
 Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
                      double noise, std::vector<Rung>& ladder);
 
-// Lambert or Oren-Nayar, on the sample: rough only if the excess variance falls by a quarter.
+// Lambert or Oren-Nayar, on the sample: rough only if the excess variance falls by a factor
+// of 1.25, or if it saves a light.
 Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
                         std::vector<Rung>& ladder);
 
 // The full solve on all observations from a good start, its footprints sampled for the lobe found,
 // Huber's loss where the residual is more than noise; then what is significant and relevant:
-// specular (peak at least 0.003 of white and 3 sigma), finite distances (about the reference: rho
-// at least 3 sigma and rho R at least 5e-4). Returns the last solution with the options it was
+// specular (peak at least 0.003 of white and 3 sigma_stat), finite distances (about the reference:
+// rho at least 3 sigma and rho R at least 5e-4). Returns the last solution with the options it was
 // solved with.
 struct Refined {
   Solution solution;
