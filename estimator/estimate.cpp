@@ -165,8 +165,8 @@ void AddViewsNote(Estimate& out) {
     out.notes.push_back(
         {"views-add-nothing",
          std::to_string(out.distinct_views) + " of " + std::to_string(out.views) +
-             " views differ by more than noise; the others add nothing but a lower "
-             "noise. A homogeneous body of revolution on the axis looks the same at "
+             " views differ by more than noise; the others add nothing, and the sigmas are those "
+             "of the distinct ones. A homogeneous body of revolution on the axis looks the same at "
              "every angle: use another target, tilt it, or move the camera."});
 }
 

@@ -60,14 +60,14 @@ std::string TypeName() {
 
 template <typename T>
 const MessageType& TypeOf() {
-  static const MessageType type{TypeName<T>(), Wire<T>::kVersion,
-                                [](const void* value, WireWriter& out) {
-                                  Wire<T>::Encode(*static_cast<const T*>(value), out);
-                                },
-                                [](WireReader& in) -> std::shared_ptr<const void> {
-                                  return std::make_shared<const T>(Wire<T>::Decode(in));
-                                }};
-  return type;
+  static const MessageType kType{TypeName<T>(), Wire<T>::kVersion,
+                                 [](const void* value, WireWriter& out) {
+                                   Wire<T>::Encode(*static_cast<const T*>(value), out);
+                                 },
+                                 [](WireReader& in) -> std::shared_ptr<const void> {
+                                   return std::make_shared<const T>(Wire<T>::Decode(in));
+                                 }};
+  return kType;
 }
 
 // "Frame v1".
