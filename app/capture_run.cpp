@@ -18,6 +18,7 @@
 #include "app/version.h"
 #include "base/file.h"
 #include "base/lock_file.h"
+#include "base/utc.h"
 #include "nodes/graph/graph.h"
 #include "nodes/graph/log.h"
 #include "rig/capture/closure_check.h"
@@ -73,7 +74,9 @@ Result<Recorder> OpenRecorder(const Prepared& run, const RunFolder& folder, Star
   auto setup = MakeCaptureSetup(run.config, run.rig, folder.root());
   if (!setup) return Forward(setup);
   rig::RunProvenance provenance;
-  provenance.program_version = VersionText();
+  provenance.program_version = Version();
+  provenance.program_commit = Commit();
+  provenance.utc = UtcNow();
   provenance.camera_settings = {run.config.plan.exposures_us.front(), run.config.plan.gain_db};
   auto recorder = start == Start::kNew
                       ? rig::SessionRecorder::Start(folder.session(), *setup, provenance)

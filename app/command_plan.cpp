@@ -1,22 +1,15 @@
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include "app/command.h"
 #include "app/run_config.h"
+#include "base/format.h"
 #include "nodes/graph/draw.h"
 #include "nodes/graph/graph.h"
 
 namespace turnlight::app {
 namespace {
-
-template <typename... T>
-std::string Format(const char* format, T... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 std::string Angles(const rig::CapturePlan& plan) {
   std::string text;

@@ -86,30 +86,16 @@ ordered_json LightToJson(const LightEstimate& estimate, const estimator::LightSi
   return json;
 }
 
-ordered_json StatToJson(const Estimate& estimate) {
-  const estimator::Uncertainty& stat = estimate.stat;
+ordered_json SigmaToJson(const Estimate& estimate, const estimator::ReflectanceSigma& sigma) {
   ordered_json json;
-  json["albedo"] = ToJson(stat.albedo);
-  json["ambient"] = ToJson(stat.ambient);
-  json["diffuse"] = ToJson(stat.diffuse);
-  json["specular"] = HasLobe(estimate) ? ToJson(stat.specular) : ordered_json(nullptr);
-  json["shininess"] = HasLobe(estimate) ? ToJson(stat.shininess) : ordered_json(nullptr);
-  if (IsOrenNayar(estimate)) json["roughness_deg"] = ToJson(RadToDeg(stat.roughness));
-  return json;
-}
-
-ordered_json SigmaToJson(const Estimate& estimate) {
-  ordered_json json;
-  json["albedo"] = ToJson(estimate.sigma.albedo);
-  json["ambient"] = ToJson(estimate.sigma.ambient);
-  json["diffuse"] = ToJson(estimate.sigma.diffuse);
-  json["specular"] = HasLobe(estimate) ? ToJson(estimate.sigma.specular) : ordered_json(nullptr);
-  json["shininess"] = ToJson(estimate.sigma.shininess);
-  if (IsOrenNayar(estimate)) {
-    const auto roughness = estimate.sigma.roughness;
-    json["roughness_deg"] = roughness ? ToJson(RadToDeg(*roughness)) : ordered_json(nullptr);
-  }
-  if (estimate.has_sigmas) json["stat"] = StatToJson(estimate);
+  json["albedo"] = ToJson(sigma.albedo);
+  json["ambient"] = ToJson(sigma.ambient);
+  json["diffuse"] = ToJson(sigma.diffuse);
+  json["specular"] = HasLobe(estimate) ? ToJson(sigma.specular) : ordered_json(nullptr);
+  json["shininess"] = HasLobe(estimate) ? ToJson(sigma.shininess) : ordered_json(nullptr);
+  if (IsOrenNayar(estimate))
+    json["roughness_deg"] =
+        sigma.roughness ? ToJson(RadToDeg(*sigma.roughness)) : ordered_json(nullptr);
   return json;
 }
 
@@ -126,7 +112,11 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
   if (HasLobe(estimate))
     json["lobe"] = ordered_json{{"peak", ToJson(reflectance.specular)},
                                 {"fwhm_deg", ToJson(LobeWidthDeg(reflectance))}};
-  json["sigma"] = SigmaToJson(estimate);
+  json["sigma"] = SigmaToJson(estimate, estimate.sigma);
+  const estimator::Uncertainty& stat = estimate.stat;
+  if (estimate.has_sigmas)
+    json["sigma"]["stat"] = SigmaToJson(estimate, {stat.albedo, stat.ambient, stat.diffuse,
+                                                   stat.specular, stat.shininess, stat.roughness});
   return json;
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "app/result_json.h"
 #include "base/angles.h"
+#include "base/format.h"
 #include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
@@ -15,13 +15,6 @@ using estimator::Estimate;
 using estimator::LightEstimate;
 
 constexpr const char* kPlusMinus = " \u00b1 ";
-
-template <typename... T>
-std::string Format(const char* format, T... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 std::string Plural(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");

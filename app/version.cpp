@@ -2,8 +2,8 @@
 
 namespace turnlight::app {
 
-std::string VersionText() {
-  return "turnlight " TURNLIGHT_VERSION " (commit " TURNLIGHT_COMMIT ")";
-}
+std::string Version() { return TURNLIGHT_VERSION; }
+std::string Commit() { return TURNLIGHT_COMMIT; }
+std::string VersionText() { return "turnlight " + Version() + " (commit " + Commit() + ")"; }
 
 }  // namespace turnlight::app

@@ -8,23 +8,19 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <utility>
+
+#include "base/utc.h"
 
 namespace turnlight {
 namespace {
 
-// "process 1234 (turnlight) on host lab3 since 2024-05-01T12:00:00Z"
+// "process 1234 (turnlight) on host lab3 since 2024-05-01T12:00:00.123Z"
 std::string DescribeThisProcess() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
-  std::array<char, 32> start{};
-  const std::time_t now = std::time(nullptr);
-  struct tm utc {};
-  ::gmtime_r(&now, &utc);
-  std::strftime(start.data(), start.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
   return "process " + std::to_string(::getpid()) + " (" + program_invocation_short_name +
-         ") on host " + host.data() + " since " + start.data();
+         ") on host " + host.data() + " since " + UtcNow();
 }
 
 // The lock counts only on the file that the path names: another process may have removed it between

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "estimator/paper_estimate.h"
 #include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
@@ -194,13 +194,12 @@ void AddNotes(Estimate& out) {
 void AddCountNote(double noise, Estimate& out) {
   constexpr double kUnexplained = 2.0;
   if (out.rms <= kUnexplained * noise) return;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "The model leaves %.3g rms of the pictures unexplained, %.1f times their noise: a "
-                "light, a shadow or a property of the surface may be missing, and the number of "
-                "lights is uncertain.",
-                out.rms, out.rms / std::max(noise, 1e-12));
-  out.notes.push_back({"count-uncertain", text});
+  out.notes.push_back(
+      {"count-uncertain",
+       Format("The model leaves %.3g rms of the pictures unexplained, %.1f times their noise: a "
+              "light, a shadow or a property of the surface may be missing, and the number of "
+              "lights is uncertain.",
+              out.rms, out.rms / std::max(noise, 1e-12))});
 }
 
 std::vector<cv::Mat1f> ResidualMaps(const Observations& all, const Scene& scene,

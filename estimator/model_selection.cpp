@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "base/format.h"
 #include "estimator/missing_lights.h"
 #include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
@@ -21,12 +21,6 @@ constexpr double kMinInverseDistance = 5e-4;  // rho R
 constexpr double kSignificance = 3.0;
 constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
 constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
-
-std::string Text(const char* format, double a, double b = 0.0, double c = 0.0) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, a, b, c);
-  return buffer;
-}
 
 Eigen::Vector3d MeanNormal(const Observations& all) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -76,9 +70,9 @@ void ChooseLoss(const Observations& observations, double noise, Refined& out,
   const bool robust = rms > kBeyondNoise * noise;
   ladder.push_back(
       {"robust-loss", robust,
-       Text("residual rms %.3g, noise %.3g; from %.1f times the noise on, large residuals "
-            "are given less weight",
-            rms, noise, kBeyondNoise)});
+       Format("residual rms %.3g, noise %.3g; from %.1f times the noise on, large residuals "
+              "are given less weight",
+              rms, noise, kBeyondNoise)});
   if (!robust) return;
   const double sigma = RobustSigma(observations, out.solution.scene, out.options.evaluate);
   out.options.evaluate.huber = std::max(kHuberSigmas * sigma, 1e-6);
@@ -103,10 +97,11 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
           : sigma.lights.front().specular_product / reported.lights.front().specular_product;
   const double own = relative * peak;
   const bool matters = peak >= kMinSpecularPeak && peak > kSignificance * own;
-  ladder.push_back({"specular", matters,
-                    Text("the strongest highlight is %.3g of white with sigma %.2g; it counts from "
-                         "%.3g and 3 sigma",
-                         peak, own, kMinSpecularPeak)});
+  ladder.push_back(
+      {"specular", matters,
+       Format("the strongest highlight is %.3g of white with sigma %.2g; it counts from "
+              "%.3g and 3 sigma",
+              peak, own, kMinSpecularPeak)});
   if (matters) return;
   out.specular_sigma = sigma.lights.empty() ? own : sigma.lights.front().specular_product;
   out.solution.scene.reflectance.specular_model = SpecularModel::kNone;
@@ -135,9 +130,9 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
     if (!out.near[l] && rho > 0.0) refit = true;
     ladder.push_back(
         {"near light " + std::to_string(l + 1), out.near[l],
-         Text("radius over distance is %.3g with sigma %.2g; it counts from %.3g and 3 "
-              "sigma",
-              rho, own, kMinInverseDistance)});
+         Format("radius over distance is %.3g with sigma %.2g; it counts from %.3g and 3 "
+                "sigma",
+                rho, own, kMinInverseDistance)});
   }
   if (!refit) return;
   out.options.fixed_distance.assign(lights, false);
@@ -181,8 +176,8 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
     if (start.diffuse == DiffuseModel::kOrenNayar) scene.reflectance.roughness = kFirstRoughness;
     Candidate candidate = AddMissingLights(sample, FitAndEliminate(sample, scene, noise), noise);
     tried += (winner ? "; " : "") + std::string(start.name) +
-             Text(" lead to %.0f lights with an excess variance of %.3g",
-                  static_cast<double>(candidate.scene.lights.size()), candidate.excess);
+             Format(" lead to %.0f lights with an excess variance of %.3g",
+                    static_cast<double>(candidate.scene.lights.size()), candidate.excess);
     const bool done = NothingLeft(candidate.excess, sample, noise);
     if (winner == nullptr || Better(candidate, best)) {
       best = std::move(candidate);
@@ -199,13 +194,15 @@ Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double 
   const bool rough_already = candidate.scene.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
   if (rough_already || NothingLeft(candidate.excess, sample, noise)) {
     if (rough_already)
-      ladder.push_back({"oren-nayar", true,
-                        Text("only with it the lights explain the pictures (excess variance %.3g)",
-                             candidate.excess)});
+      ladder.push_back(
+          {"oren-nayar", true,
+           Format("only with it the lights explain the pictures (excess variance %.3g)",
+                  candidate.excess)});
     else
-      ladder.push_back({"oren-nayar", false,
-                        Text("with Lambert the excess variance is %.3g: nothing is left to explain",
-                             candidate.excess)});
+      ladder.push_back(
+          {"oren-nayar", false,
+           Format("with Lambert the excess variance is %.3g: nothing is left to explain",
+                  candidate.excess)});
     return candidate;
   }
   candidate = Eliminate(sample, candidate, noise);
@@ -221,10 +218,10 @@ Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double 
                             : rough.excess * kRoughRatio <= candidate.excess;
   ladder.push_back(
       {"oren-nayar", accepted,
-       Text("excess variance %.3g with Lambert and %.0f lights", candidate.excess, lights) +
-           Text(", %.3g with Oren-Nayar and %.0f; rough from a ratio of %.2f, or when "
-                "it saves a light",
-                rough.excess, rough_lights, kRoughRatio)});
+       Format("excess variance %.3g with Lambert and %.0f lights", candidate.excess, lights) +
+           Format(", %.3g with Oren-Nayar and %.0f; rough from a ratio of %.2f, or when "
+                  "it saves a light",
+                  rough.excess, rough_lights, kRoughRatio)});
   return accepted ? rough : candidate;
 }
 

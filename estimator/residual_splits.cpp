@@ -32,6 +32,7 @@ Eigen::VectorXd GradientOfLower(const Observations& all, const Solution& solutio
   for (std::size_t i = 0; i < all.size(); ++i)
     if (used(i) && value(i) < *middle) (*half)[i] = 1;
   EvaluateOptions options = solution.evaluate;
+  options.gradient_only = true;
   options.shadows.usable = std::move(half);
   return Evaluate(all, solution.scene, options).gradient;
 }
@@ -71,6 +72,7 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
         all, solution, [&](std::size_t i) { return all.normal[static_cast<std::size_t>(k)][i]; }));
 
   EvaluateOptions finer = solution.evaluate;
+  finer.gradient_only = true;
   for (std::uint8_t& samples : finer.samples_per_side)
     samples = static_cast<std::uint8_t>(std::min(2 * samples, kernel::kMaxSamples));
   out.finer = Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;

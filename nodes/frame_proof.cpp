@@ -1,17 +1,11 @@
 #include "nodes/frame_proof.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "base/format.h"
 
 namespace turnlight::nodes {
 namespace {
-
-template <typename... T>
-std::string Format(const char* format, T... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 // Whether id comes after last by at most half the ids, counting 65535 -> 1.
 bool Advances(std::uint64_t id, std::uint64_t last) {

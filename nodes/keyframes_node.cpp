@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "base/format.h"
 #include "nodes/frame_proof.h"
 
 namespace turnlight::nodes {
@@ -13,10 +13,8 @@ namespace {
 graph::Duration FromSeconds(double seconds) { return graph::FromMs(seconds * 1e3); }
 
 std::string Label(const rig::PlannedFrame& frame) {
-  char text[80];
-  std::snprintf(text, sizeof text, "%s %zu (%.6g deg)", frame.closure ? "closure frame" : "frame",
-                frame.index, frame.angle_deg);
-  return text;
+  return Format("%s %zu (%.6g deg)", frame.closure ? "closure frame" : "frame", frame.index,
+                frame.angle_deg);
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "base/random.h"
 #include "bench/studies/random_scene.h"
 #include "bench/studies/score.h"
@@ -189,9 +189,7 @@ Json Cover(int scene) {
 std::vector<Job> CoverageJobs(Range scenes) {
   std::vector<Job> jobs;
   for (int i = scenes.begin; i < scenes.end; ++i) {
-    char id[32];
-    std::snprintf(id, sizeof id, "coverage/%04d", i);
-    jobs.push_back({id, [i] { return Cover(i); }});
+    jobs.push_back({Format("coverage/%04d", i), [i] { return Cover(i); }});
   }
   return jobs;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/format.h"
 #include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 

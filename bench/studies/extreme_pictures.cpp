@@ -1,11 +1,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "base/random.h"
 #include "bench/studies/extreme_cells.h"
 
@@ -17,11 +17,7 @@ using rig::SyntheticSession;
 
 constexpr std::uint64_t kSpoilStream = std::uint64_t{1} << 53;
 
-std::string Text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string Text(double value) { return Format("%g", value); }
 
 // A cell whose session is made from a config and then changed.
 void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::string& setting,

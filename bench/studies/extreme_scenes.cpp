@@ -1,8 +1,8 @@
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "bench/studies/extreme_cells.h"
 
 namespace turnlight::studies {
@@ -13,11 +13,7 @@ using rig::SyntheticConfig;
 
 using Change = std::function<void(SyntheticConfig&)>;
 
-std::string Text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string Text(double value) { return Format("%g", value); }
 
 void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::string& setting,
          const Change& change) {

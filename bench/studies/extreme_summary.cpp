@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/format.h"
 #include "bench/studies/summary_parts.h"
 
 namespace turnlight::studies {

@@ -1,8 +1,8 @@
 #include <Eigen/Geometry>
-#include <cstdio>
 #include <numbers>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "base/random.h"
 #include "bench/studies/random_scene.h"
 #include "bench/studies/studies.h"
@@ -45,9 +45,7 @@ Json StartByHand(int scene) {
 std::vector<Job> HandStartJobs(Range scenes) {
   std::vector<Job> jobs;
   for (int i = scenes.begin; i < scenes.end; ++i) {
-    char id[32];
-    std::snprintf(id, sizeof id, "handstart/%04d", i);
-    jobs.push_back({id, [i] { return StartByHand(i); }});
+    jobs.push_back({Format("handstart/%04d", i), [i] { return StartByHand(i); }});
   }
   return jobs;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 #include "bench/studies/svg_chart.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/format.h"
 #include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 

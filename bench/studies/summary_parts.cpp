@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <map>
 
+#include "base/format.h"
 #include "bench/studies/statistics.h"
 
 namespace turnlight::studies {
@@ -34,15 +33,6 @@ std::string Row(const std::string& name, const Column& column) {
 }
 
 }  // namespace
-
-std::string Format(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
             double wanted_share) {

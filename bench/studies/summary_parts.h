@@ -11,9 +11,6 @@
 
 namespace turnlight::studies {
 
-// printf into a string.
-std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
-
 // "  holds  COUNT RIGHT        190 of 200 = 95.0 %, wanted 95 %"
 void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
             double wanted_share);

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "base/format.h"
 
 namespace turnlight::studies {
 namespace {
@@ -11,12 +12,6 @@ namespace {
 constexpr double kWidth = 640.0, kHeight = 400.0;
 constexpr double kLeft = 70.0, kRight = 170.0, kTop = 40.0, kBottom = 55.0;
 constexpr std::array kColors = {"#2b6cb0", "#c05621", "#2f855a", "#6b46c1", "#b83280", "#555555"};
-
-std::string Print(const char* format, auto... arguments) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, arguments...);
-  return text;
-}
 
 double Share(const Axis& axis, double value) {
   const double share = axis.logarithmic
@@ -50,23 +45,23 @@ std::vector<double> Ticks(const Axis& axis) {
 
 std::string Frame(const std::string& title, const Axis& x, const Axis& y) {
   const double bottom = kHeight - kBottom, right = kWidth - kRight;
-  std::string svg = Print("<text x='%g' y='22' font-size='15'>%s</text>\n", kLeft, title.c_str());
+  std::string svg = Format("<text x='%g' y='22' font-size='15'>%s</text>\n", kLeft, title.c_str());
   for (const double tick : Ticks(x)) {
-    svg += Print("<path d='M%.1f %g V%g' stroke='#ddd'/>\n", X(x, tick), kTop, bottom);
-    svg += Print("<text x='%.1f' y='%g' text-anchor='middle'>%g</text>\n", X(x, tick), bottom + 18,
-                 tick);
+    svg += Format("<path d='M%.1f %g V%g' stroke='#ddd'/>\n", X(x, tick), kTop, bottom);
+    svg += Format("<text x='%.1f' y='%g' text-anchor='middle'>%g</text>\n", X(x, tick), bottom + 18,
+                  tick);
   }
   for (const double tick : Ticks(y)) {
-    svg += Print("<path d='M%g %.1f H%g' stroke='#ddd'/>\n", kLeft, Y(y, tick), right);
-    svg += Print("<text x='%g' y='%.1f' text-anchor='end'>%g</text>\n", kLeft - 6, Y(y, tick) + 4.0,
-                 tick);
+    svg += Format("<path d='M%g %.1f H%g' stroke='#ddd'/>\n", kLeft, Y(y, tick), right);
+    svg += Format("<text x='%g' y='%.1f' text-anchor='end'>%g</text>\n", kLeft - 6,
+                  Y(y, tick) + 4.0, tick);
   }
   svg +=
-      Print("<path d='M%g %g V%g H%g' fill='none' stroke='#333'/>\n", kLeft, kTop, bottom, right);
-  svg += Print("<text x='%g' y='%g' text-anchor='middle'>%s</text>\n", 0.5 * (kLeft + right),
-               kHeight - 14.0, x.label.c_str());
-  svg += Print("<text transform='translate(18 %g) rotate(-90)' text-anchor='middle'>%s</text>\n",
-               0.5 * (kTop + bottom), y.label.c_str());
+      Format("<path d='M%g %g V%g H%g' fill='none' stroke='#333'/>\n", kLeft, kTop, bottom, right);
+  svg += Format("<text x='%g' y='%g' text-anchor='middle'>%s</text>\n", 0.5 * (kLeft + right),
+                kHeight - 14.0, x.label.c_str());
+  svg += Format("<text transform='translate(18 %g) rotate(-90)' text-anchor='middle'>%s</text>\n",
+                0.5 * (kTop + bottom), y.label.c_str());
   return svg;
 }
 
@@ -74,10 +69,10 @@ std::string Draw(const Series& series, const Axis& x, const Axis& y, const char*
   std::string svg, path;
   for (const auto& [px, py] : series.points) {
     if (series.dots)
-      svg += Print("<circle cx='%.1f' cy='%.1f' r='2.2' fill='%s' fill-opacity='0.6'/>\n", X(x, px),
-                   Y(y, py), color);
+      svg += Format("<circle cx='%.1f' cy='%.1f' r='2.2' fill='%s' fill-opacity='0.6'/>\n",
+                    X(x, px), Y(y, py), color);
     else
-      path += Print("%c%.1f %.1f", path.empty() ? 'M' : 'L', X(x, px), Y(y, py));
+      path += Format("%c%.1f %.1f", path.empty() ? 'M' : 'L', X(x, px), Y(y, py));
   }
   if (!path.empty())
     svg += "<path d='" + path + "' fill='none' stroke='" + color + "' stroke-width='1.6'" +
@@ -89,7 +84,7 @@ std::string Draw(const Series& series, const Axis& x, const Axis& y, const char*
 
 std::string SvgChart(const std::string& title, const Axis& x, const Axis& y,
                      const std::vector<Series>& series) {
-  std::string svg = Print(
+  std::string svg = Format(
       "<svg xmlns='http://www.w3.org/2000/svg' width='%g' height='%g' font-family='sans-serif' "
       "font-size='12' fill='#222'>\n<rect width='100%%' height='100%%' fill='white'/>\n",
       kWidth, kHeight);
@@ -100,8 +95,8 @@ std::string SvgChart(const std::string& title, const Axis& x, const Axis& y,
     svg += Draw(series[i], x, y, color);
     if (series[i].name.empty()) continue;
     const double left = kWidth - kRight + 15.0;
-    svg += Print("<rect x='%g' y='%g' width='10' height='10' fill='%s'/>", left, row - 9.0, color);
-    svg += Print("<text x='%g' y='%g'>%s</text>\n", left + 16.0, row, series[i].name.c_str());
+    svg += Format("<rect x='%g' y='%g' width='10' height='10' fill='%s'/>", left, row - 9.0, color);
+    svg += Format("<text x='%g' y='%g'>%s</text>\n", left + 16.0, row, series[i].name.c_str());
     row += 18.0;
   }
   return svg + "</svg>\n";

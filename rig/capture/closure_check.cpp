@@ -5,6 +5,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "base/format.h"
 #include "rig/session/image_file.h"
 #include "rig/session/journal.h"
 #include "rig/session/session.h"
@@ -14,18 +15,17 @@ namespace {
 
 std::string Describe(const ClosureCheck& check) {
   if (check.difference.block_share == 0.0) return "the pictures are too dark to be compared";
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "the picture at %.10g\u00b0 differs from the one at %.10g\u00b0 by %.2g %%, %.2g "
-                "times what noise explains; ",
-                check.closure_deg, check.first_deg, 100.0 * check.difference.block_share,
-                check.difference.block_sigmas);
-  if (check.closed) return text + std::string("the table kept its place");
-  std::snprintf(text + std::strlen(text), sizeof text - std::strlen(text),
-                "allowed is %.2g %% or %.2g times: the table lost its place, the target moved or "
-                "the light changed, and the angles of this capture are not to be trusted",
-                100.0 * kClosureShare, kClosureSigmas);
-  return text;
+  const std::string text = Format(
+      "the picture at %.10g\u00b0 differs from the one at %.10g\u00b0 by %.2g %%, %.2g "
+      "times what noise explains; ",
+      check.closure_deg, check.first_deg, 100.0 * check.difference.block_share,
+      check.difference.block_sigmas);
+  if (check.closed) return text + "the table kept its place";
+  return text +
+         Format(
+             "allowed is %.2g %% or %.2g times: the table lost its place, the target moved or "
+             "the light changed, and the angles of this capture are not to be trusted",
+             100.0 * kClosureShare, kClosureSigmas);
 }
 
 }  // namespace

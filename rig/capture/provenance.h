@@ -18,8 +18,8 @@ inline constexpr char kProvenanceFile[] = "provenance.jsonl";
 // Who records now, for the provenance.
 struct RunProvenance {
   std::string program_version, program_commit;
-  std::string utc;                                         // when the run began, a label
-  CameraSettings camera_settings;                          // as read back
+  std::string utc;                 // when the run began, a label
+  CameraSettings camera_settings;  // asked for; a frame that has others is refused
   std::vector<std::pair<std::string, std::string>> notes;  // further device settings, as key, value
 };
 

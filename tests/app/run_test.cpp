@@ -225,6 +225,17 @@ TEST_F(Run, TheMainConfigFindsItsLights) {
   near(result["reflectance"]["shininess"], is["shininess"]);
 }
 
+TEST_F(Run, ProvenanceNamesProgramAndTime) {
+  ExpectRuns({"capture", config_, "--out", Out("run")});
+  const std::string lines = *ReadFile(Out("run") + "/session/provenance.jsonl");
+  const auto run = nlohmann::json::parse(lines.substr(0, lines.find('\n')));
+  EXPECT_FALSE(run["program_version"].get<std::string>().empty());
+  EXPECT_FALSE(run["program_commit"].get<std::string>().empty());
+  const std::string utc = run["utc"];
+  EXPECT_EQ(utc.size(), std::string("2024-05-01T12:00:00.123Z").size()) << utc;
+  EXPECT_EQ(utc.back(), 'Z') << utc;
+}
+
 TEST_F(Run, PlanAndGraphChangeNothing) {
   const Outcome plan = RunProgram({"plan", config_});
   EXPECT_EQ(plan.exit_code, 0) << plan.err;

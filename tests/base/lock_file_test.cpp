@@ -35,7 +35,7 @@ TEST_F(LockFileTest, OneHolderAndItsName) {
     EXPECT_EQ(second.error().kind, ErrorKind::kInput);
     EXPECT_THAT(second.error().text,
                 AllOf(HasSubstr("port: in use: process " + std::to_string(::getpid()) + " ("),
-                      MatchesRegex(".* since 20..-..-..T..:..:..Z")));
+                      MatchesRegex(".* since 20..-..-..T..:..:..[.]...Z")));
     const LockFile moved = std::move(*lock);
     EXPECT_FALSE(Take());
   }

@@ -17,6 +17,7 @@
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
 #include "tests/estimator/random_observations.h"
+#include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -27,10 +28,6 @@ using Eigen::VectorXd;
 Vector3d FromAngles(double zenith_deg, double azimuth_deg) {
   const double z = DegToRad(zenith_deg), a = DegToRad(azimuth_deg);
   return {std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), std::cos(z)};
-}
-
-double AngleDeg(const Vector3d& a, const Vector3d& b) {
-  return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
 std::vector<MapPoint> OnTheEquator(const std::vector<double>& azimuths_deg) {
@@ -312,29 +309,17 @@ TEST(PaperDescentTest, FindsASceneOfItsModel) {
 }
 
 rig::SyntheticConfig OneLight() {
-  rig::SyntheticConfig config;
-  config.motion.frames = 6;
-  config.motion.step_deg = 60.0;
-  config.camera = {.width = 120, .height = 90, .focal_px = 300.0, .distortion = {}};
-  config.lights = std::vector<rig::LightSpec>{
-      {.direction = {0.5, 0.2, 0.85}, .distance = 2800.0, .intensity = 0.8}};
-  Reflectance reflectance;
-  reflectance.albedo = {0.4, 0.6, 0.7};
-  reflectance.ambient = 0.1;
-  reflectance.diffuse = 0.4;
-  reflectance.specular = 0.5;
-  reflectance.shininess = 30.0;
-  config.reflectance = reflectance;
+  rig::SyntheticConfig config =
+      SmallBall({{.direction = {0.5, 0.2, 0.85}, .distance = 2800.0, .intensity = 0.8}},
+                Glossy(0.1, 0.4, 0.5));
   config.sensor.noise_relative = 0.002;
-  config.samples_per_side = 3;
   return config;
 }
 
 Result<EstimateOutput> RunPaper(const rig::SyntheticSession& session) {
   EstimateOptions options;
   options.paper = PaperOptions{};
-  return EstimateScene(rig::ToKeyframes(session), Geometry(session.target),
-                       calib::RayGrid(session.camera), options);
+  return EstimateFrom(session, options);
 }
 
 TEST(PaperEstimateTest, OneLightOnASphere) {

@@ -13,37 +13,12 @@
 #include "base/parallel.h"
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
+#include "small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
 
-rig::SyntheticConfig NoisySphere(std::uint64_t seed) {
-  rig::SyntheticConfig config;
-  config.seed = seed;
-  config.motion.frames = 6;
-  config.motion.step_deg = 60.0;
-  config.camera = {.width = 120, .height = 90, .focal_px = 300.0, .distortion = {}};
-  config.lights = std::vector<rig::LightSpec>{
-      {.direction = {0.4, 0.2, 0.9}, .distance = 300.0, .intensity = 0.8},
-      {.direction = {-0.6, 0.4, 0.6}, .distance = 500.0, .intensity = 0.6}};
-  Reflectance reflectance;
-  reflectance.albedo = {0.4, 0.6, 0.7};
-  reflectance.ambient = 0.15;
-  reflectance.diffuse = 0.6;
-  reflectance.specular = 0.3;
-  reflectance.shininess = 30.0;
-  config.reflectance = reflectance;
-  config.sensor.black = 6000.0;  // noise below zero is kept, not cut off
-  config.sensor.noise_relative = 0.01;
-  config.samples_per_side = 3;
-  return config;
-}
-
-Result<EstimateOutput> EstimateFrom(const rig::SyntheticSession& session,
-                                    const EstimateOptions& options = {}) {
-  return EstimateScene(rig::ToKeyframes(session), Geometry(session.target),
-                       calib::RayGrid(session.camera), options);
-}
+rig::SyntheticConfig NoisyBall(std::uint64_t seed) { return TwoLightBall(seed, 0.01, 0.15); }
 
 // Mean and spread of an estimate over the draws, and the mean of what was stated.
 struct Spread {
@@ -73,7 +48,7 @@ TEST(RecoveryTest, StatedSigmasAreThoseOfTheErrors) {
   std::vector<Eigen::Vector3d> directions[2];
   double direction_sigma[2] = {0.0, 0.0};
   for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
-    const auto session = rig::SynthesizeInMemory(NoisySphere(seed));
+    const auto session = rig::SynthesizeInMemory(NoisyBall(seed));
     ASSERT_TRUE(session) << session.error().text;
     const auto output = EstimateFrom(*session);
     ASSERT_TRUE(output) << output.error().text;
@@ -115,7 +90,7 @@ TEST(RecoveryTest, StatedSigmasAreThoseOfTheErrors) {
 }
 
 TEST(RecoveryTest, ErrorsAreWithinFourSigmaOfTheTruth) {
-  const auto session = rig::SynthesizeInMemory(NoisySphere(1));
+  const auto session = rig::SynthesizeInMemory(NoisyBall(1));
   ASSERT_TRUE(session);
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output);
@@ -136,7 +111,7 @@ TEST(RecoveryTest, ErrorsAreWithinFourSigmaOfTheTruth) {
 }
 
 TEST(RecoveryTest, TheGaugeIsTheStatedOne) {
-  const auto session = rig::SynthesizeInMemory(NoisySphere(2));
+  const auto session = rig::SynthesizeInMemory(NoisyBall(2));
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output);
   EXPECT_DOUBLE_EQ(output->estimate.reflectance.albedo.maxCoeff(), 1.0);
@@ -145,7 +120,7 @@ TEST(RecoveryTest, TheGaugeIsTheStatedOne) {
 }
 
 TEST(RecoveryTest, AHintOfFiveDegreesOffLeadsToTheSameAnswer) {
-  const auto session = rig::SynthesizeInMemory(NoisySphere(3));
+  const auto session = rig::SynthesizeInMemory(NoisyBall(3));
   ASSERT_TRUE(session);
   const auto without = EstimateFrom(*session);
   EstimateOptions options;
@@ -167,7 +142,7 @@ TEST(RecoveryTest, AHintOfFiveDegreesOffLeadsToTheSameAnswer) {
 }
 
 TEST(RepeatabilityTest, SameBitsWithAnyNumberOfThreads) {
-  const auto session = rig::SynthesizeInMemory(NoisySphere(4));
+  const auto session = rig::SynthesizeInMemory(NoisyBall(4));
   ASSERT_TRUE(session);
   std::vector<double> first;
   for (const int threads : {1, 2, 7, 1}) {
@@ -190,7 +165,7 @@ TEST(RepeatabilityTest, SameBitsWithAnyNumberOfThreads) {
 
 // Pictures that hold no answer must say so.
 Result<EstimateOutput> RunFilled(float radiance, bool saturated) {
-  auto config = NoisySphere(5);
+  auto config = NoisyBall(5);
   config.sensor.noise_relative = 0.0;
   const auto session = rig::SynthesizeInMemory(config);
   std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
@@ -217,7 +192,7 @@ TEST(NoAnswerTest, AllClipped) {
 }
 
 TEST(NoAnswerTest, TargetOutOfView) {
-  auto config = NoisySphere(6);
+  auto config = NoisyBall(6);
   const auto session = rig::SynthesizeInMemory(config);
   std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
   for (Keyframe& keyframe : keyframes) keyframe.X_WT.translation = {0.0, 0.0, 1e5};

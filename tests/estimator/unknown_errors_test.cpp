@@ -13,22 +13,10 @@
 #include "estimator/shadows.h"
 #include "random_observations.h"
 #include "rig/sim/synthetic_session.h"
+#include "small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
-
-Result<EstimateOutput> EstimateFrom(const rig::SyntheticSession& session) {
-  return EstimateScene(rig::ToKeyframes(session), Geometry(session.target),
-                       calib::RayGrid(session.camera), {});
-}
-
-double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
-}
-
-std::vector<rig::LightSpec>& LightsOf(rig::SyntheticConfig& config) {
-  return std::get<std::vector<rig::LightSpec>>(config.lights);
-}
 
 // The largest distance, degrees, of a light of the scene from its nearest estimate.
 double WorstDirection(const Estimate& estimate, const std::vector<rig::LightSpec>& lights) {
@@ -36,30 +24,17 @@ double WorstDirection(const Estimate& estimate, const std::vector<rig::LightSpec
   for (const rig::LightSpec& light : lights) {
     double nearest = 180.0;
     for (const LightEstimate& found : estimate.lights)
-      nearest = std::min(nearest, Angle(found.light.direction, light.direction));
+      nearest = std::min(nearest, AngleDeg(found.light.direction, light.direction));
     worst = std::max(worst, nearest);
   }
   return worst;
 }
 
-rig::SyntheticConfig SmallScene() {
-  rig::SyntheticConfig config;
-  config.seed = 3;
+// Eight views of it.
+rig::SyntheticConfig SmallScene(double noise) {
+  rig::SyntheticConfig config = TwoLightBall(3, noise, 0.1);
   config.motion.frames = 8;
   config.motion.step_deg = 45.0;
-  config.camera = {.width = 120, .height = 90, .focal_px = 300.0, .distortion = {}};
-  config.lights = std::vector<rig::LightSpec>{
-      {.direction = {0.4, 0.2, 0.9}, .distance = 300.0, .intensity = 0.8},
-      {.direction = {-0.6, 0.4, 0.6}, .distance = 500.0, .intensity = 0.6}};
-  Reflectance reflectance;
-  reflectance.albedo = {0.4, 0.6, 0.7};
-  reflectance.ambient = 0.1;
-  reflectance.diffuse = 0.6;
-  reflectance.specular = 0.3;
-  reflectance.shininess = 30.0;
-  config.reflectance = reflectance;
-  config.sensor.black = 6000.0;
-  config.samples_per_side = 3;
   return config;
 }
 
@@ -156,13 +131,12 @@ TEST(Shadows, KernelLeavesOutWhatIsNotLit) {
 }
 
 TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
-  rig::SyntheticConfig config = SmallScene();
+  rig::SyntheticConfig config = SmallScene(0.002);
   config.target = rig::Blob{.radius = 40.0, .depth = 0.25, .segments = 96};
   config.motion.kind = rig::MotionKind::kTable;
   config.motion.frames = 10;
   config.motion.step_deg = 36.0;
   config.camera = {.width = 160, .height = 120, .focal_px = 320.0, .distortion = {}};
-  config.sensor.noise_relative = 0.002;
   std::get<Reflectance>(config.reflectance).shininess = 60.0;
   LightsOf(config).clear();
   for (int i = 0; i < 8; ++i) {
@@ -182,9 +156,8 @@ TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
 }
 
 TEST(Sigmas, IdenticalViewsTellWhatOneTells) {
-  rig::SyntheticConfig config = SmallScene();
+  rig::SyntheticConfig config = SmallScene(0.005);
   config.motion.frames = 1;
-  config.sensor.noise_relative = 0.005;
   auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
   std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
@@ -208,8 +181,7 @@ TEST(Sigmas, IdenticalViewsTellWhatOneTells) {
 
 // The same pictures a million times darker, as of a weak lamp with a long exposure.
 TEST(Levels, DarkPicturesGiveTheSameLights) {
-  rig::SyntheticConfig config = SmallScene();
-  config.sensor.noise_relative = 0.002;
+  rig::SyntheticConfig config = SmallScene(0.002);
   const auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
   std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
@@ -233,8 +205,7 @@ TEST(Levels, DarkPicturesGiveTheSameLights) {
 // What the halves of the pictures disagree about must be in sigma_total; the plain statistics of
 // 1e5 pixels cannot know of it.
 TEST(Sigmas, TotalCoversWhatTheModelLacks) {
-  rig::SyntheticConfig config = SmallScene();
-  config.sensor.noise_relative = 0.0005;
+  rig::SyntheticConfig config = SmallScene(0.0005);
   const auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
   std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);

@@ -1,0 +1,29 @@
+// Proves that Format keeps what printf would print, however long, and that UtcNow has the shape
+// that files hold. Does not prove that the clock is right.
+#include "base/format.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/utc.h"
+
+namespace turnlight {
+namespace {
+
+TEST(Format, PrintsWhatPrintfPrints) {
+  EXPECT_EQ(Format("%d of %s: %.3g %%", 3, "four", 0.12345), "3 of four: 0.123 %");
+  EXPECT_EQ(Format("%s", ""), "");
+}
+
+TEST(Format, CutsNothingOff) {
+  const std::string text(5000, 'x');
+  EXPECT_EQ(Format("<%s>", text.c_str()), "<" + text + ">");
+}
+
+TEST(Utc, IsADateAndATime) {
+  EXPECT_THAT(UtcNow(), testing::MatchesRegex("20[0-9]+-[01][0-9]-[0-3][0-9]T[0-2][0-9]:[0-5][0-9]:"
+                                              "[0-6][0-9].[0-9][0-9][0-9]Z"));
+}
+
+}  // namespace
+}  // namespace turnlight

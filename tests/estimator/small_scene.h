@@ -1,0 +1,62 @@
+// A glossy ball, 120 x 90 pixels, as several tests of whole estimates need it.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "base/angles.h"
+#include "estimator/estimate.h"
+#include "rig/sim/synthetic_session.h"
+
+namespace turnlight::estimator {
+
+// Six views all around, no noise.
+inline rig::SyntheticConfig SmallBall(std::vector<rig::LightSpec> lights,
+                                      const Reflectance& reflectance) {
+  rig::SyntheticConfig config;
+  config.motion.frames = 6;
+  config.motion.step_deg = 60.0;
+  config.camera = {.width = 120, .height = 90, .focal_px = 300.0, .distortion = {}};
+  config.lights = std::move(lights);
+  config.reflectance = reflectance;
+  config.samples_per_side = 3;
+  return config;
+}
+
+inline Reflectance Glossy(double ambient, double diffuse, double specular) {
+  Reflectance reflectance;
+  reflectance.albedo = {0.4, 0.6, 0.7};
+  reflectance.ambient = ambient;
+  reflectance.diffuse = diffuse;
+  reflectance.specular = specular;
+  reflectance.shininess = 30.0;
+  return reflectance;
+}
+
+// Two near lights; a black level keeps the noise below zero.
+inline rig::SyntheticConfig TwoLightBall(std::uint64_t seed, double noise, double ambient) {
+  rig::SyntheticConfig config =
+      SmallBall({{.direction = {0.4, 0.2, 0.9}, .distance = 300.0, .intensity = 0.8},
+                 {.direction = {-0.6, 0.4, 0.6}, .distance = 500.0, .intensity = 0.6}},
+                Glossy(ambient, 0.6, 0.3));
+  config.seed = seed;
+  config.sensor.black = 6000.0;
+  config.sensor.noise_relative = noise;
+  return config;
+}
+
+inline std::vector<rig::LightSpec>& LightsOf(rig::SyntheticConfig& config) {
+  return std::get<std::vector<rig::LightSpec>>(config.lights);
+}
+
+inline Result<EstimateOutput> EstimateFrom(const rig::SyntheticSession& session,
+                                           const EstimateOptions& options = {}) {
+  return EstimateScene(rig::ToKeyframes(session), Geometry(session.target),
+                       calib::RayGrid(session.camera), options);
+}
+
+inline double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
+}
+
+}  // namespace turnlight::estimator
