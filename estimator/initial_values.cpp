@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kExcessFloor = 5e-4;  // radiance: what footprints and edges leave even when clean
 constexpr double kEliminationRatio = 3.0;  // true lights gave 40 and more
+constexpr double kHardlyMissed = 1.1;
 constexpr double kMergeLimitDeg = 15.0;
 constexpr double kNoLobeMergeDeg = 25.0;
 constexpr double kNegligibleShare = 0.005;
@@ -102,7 +103,7 @@ Candidate Refit(const Observations& sample, const Candidate& start, int iteratio
   return out;
 }
 
-// The best fit without one of the weakest four lights.
+// The best fit without one of the weakest four lights; the first that is hardly missed will do.
 Candidate BestWithoutOne(const Observations& sample, const Candidate& full, double noise) {
   std::vector<std::size_t> order(full.scene.lights.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -116,6 +117,7 @@ Candidate BestWithoutOne(const Observations& sample, const Candidate& full, doub
     start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
     Candidate candidate = Refit(sample, start, 20, noise);
     if (best.scene.lights.empty() || candidate.excess < best.excess) best = std::move(candidate);
+    if (best.excess <= kHardlyMissed * full.excess) break;
   }
   return best;
 }

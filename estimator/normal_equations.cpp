@@ -15,7 +15,13 @@ using kernel::KernelModel;
 using kernel::KernelPixels;
 using kernel::KernelSums;
 
-constexpr std::size_t kTilesPerChunk = 64;  // 16 384 pixels: a unit of parallel work
+// A unit of parallel work: 16 384 pixels, less where that would leave threads idle. A function of
+// the number of tiles alone.
+constexpr std::size_t kMostTilesPerChunk = 64, kFewestTilesPerChunk = 4, kChunksWanted = 16;
+
+std::size_t TilesPerChunk(std::size_t tiles) {
+  return std::clamp(tiles / kChunksWanted, kFewestTilesPerChunk, kMostTilesPerChunk);
+}
 
 kernel::Specular KernelSpecular(SpecularModel model) {
   switch (model) {
@@ -193,13 +199,14 @@ NormalEquations EvaluateWith(const Observations& observations, const Scene& scen
                              const EvaluateOptions& options, Function accumulate) {
   const KernelScene kernel_scene(observations, scene, options);
   const int n = kernel_scene.model.Shared();
-  const std::size_t chunks = (observations.tiles() + kTilesPerChunk - 1) / kTilesPerChunk;
+  const std::size_t per_chunk = TilesPerChunk(observations.tiles());
+  const std::size_t chunks = (observations.tiles() + per_chunk - 1) / per_chunk;
   std::vector<ChunkSums> parts;
   parts.reserve(chunks);
   for (std::size_t i = 0; i < chunks; ++i) parts.emplace_back(n);
   ParallelFor(chunks, [&](std::size_t chunk) {
-    const std::size_t first = chunk * kTilesPerChunk;
-    const std::size_t tiles = std::min(kTilesPerChunk, observations.tiles() - first);
+    const std::size_t first = chunk * per_chunk;
+    const std::size_t tiles = std::min(per_chunk, observations.tiles() - first);
     std::vector<Real> workspace(kernel::WorkspaceSize(n));
     std::vector<const std::uint8_t*> lit;
     accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles, lit),
@@ -257,10 +264,11 @@ std::vector<std::vector<float>> Predict(const Observations& observations, const 
   const KernelScene kernel_scene(observations, scene, {});
   std::vector<std::vector<float>> out(static_cast<std::size_t>(observations.channels),
                                       std::vector<float>(observations.size()));
-  const std::size_t chunks = (observations.tiles() + kTilesPerChunk - 1) / kTilesPerChunk;
+  const std::size_t per_chunk = TilesPerChunk(observations.tiles());
+  const std::size_t chunks = (observations.tiles() + per_chunk - 1) / per_chunk;
   ParallelFor(chunks, [&](std::size_t chunk) {
-    const std::size_t first = chunk * kTilesPerChunk;
-    const std::size_t tiles = std::min(kTilesPerChunk, observations.tiles() - first);
+    const std::size_t first = chunk * per_chunk;
+    const std::size_t tiles = std::min(per_chunk, observations.tiles() - first);
     std::vector<float> workspace(kernel::WorkspaceSize(kernel_scene.model.Shared()));
     float* channels[3] = {nullptr, nullptr, nullptr};
     for (std::size_t c = 0; c < out.size(); ++c) channels[c] = out[c].data() + first * kTile;

@@ -1,167 +1,23 @@
 #include "estimator/solver.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <deque>
-#include <memory>
+#include <limits>
 #include <utility>
+
+#include "estimator/box_quadratic.h"
 
 namespace turnlight::estimator {
 namespace {
 
-// One Ceres parameter block: where its values live, and the columns of the normal equations that
-// belong to it. A direction has three values and two columns.
-struct Block {
-  double* values;
-  int size;
-  int column;
-  int light = -1;  // of a direction
-};
-
-// The scene as blocks of doubles, in the order in which the cost function sees them.
-class BlockedScene {
- public:
-  BlockedScene(const Scene& scene, int channels)
-      : scene_(scene),
-        columns_{channels, static_cast<int>(scene.lights.size())},
-        log_shininess_(std::log(scene.reflectance.shininess)),
-        roughness_squared_(scene.reflectance.roughness * scene.reflectance.roughness) {
-    Reflectance& r = scene_.reflectance;
-    for (int c = 0; c < channels; ++c) Add(&r.albedo[c], 1, columns_.Albedo(c));
-    Add(&r.ambient, 1, columns_.Ambient());
-    Add(&r.diffuse, 1, columns_.Diffuse());
-    Add(&r.specular, 1, columns_.Specular());
-    Add(&log_shininess_, 1, columns_.LogShininess());
-    Add(&roughness_squared_, 1, columns_.RoughnessSquared());
-    for (int l = 0; l < columns_.lights; ++l) {
-      Light& light = scene_.lights[static_cast<std::size_t>(l)];
-      Add(&light.intensity, 1, columns_.Intensity(l));
-      Add(light.direction.data(), 3, columns_.Tangent(l));
-      blocks_.back().light = l;
-      Add(&light.inverse_distance, 1, columns_.InverseDistance(l));
-    }
-  }
-  BlockedScene(const BlockedScene&) = delete;
-  BlockedScene& operator=(const BlockedScene&) = delete;
-
-  const std::vector<Block>& blocks() const { return blocks_; }
-  const Columns& columns() const { return columns_; }
-  // The scene with the blocks' current values.
-  Scene Current() const {
-    Scene scene = scene_;
-    scene.reflectance.shininess = std::exp(log_shininess_);
-    scene.reflectance.roughness = std::sqrt(roughness_squared_);
-    for (Light& light : scene.lights) light.direction.normalize();
-    return scene;
-  }
-  void CopyFrom(const double* const* values) {
-    for (std::size_t i = 0; i < blocks_.size(); ++i)
-      std::copy_n(values[i], blocks_[i].size, blocks_[i].values);
-  }
-
- private:
-  void Add(double* values, int size, int column) { blocks_.push_back({values, size, column}); }
-
-  Scene scene_;
-  Columns columns_;
-  double log_shininess_;
-  double roughness_squared_;
-  std::vector<Block> blocks_;
-};
-
-// Cost, gradient and Gauss-Newton matrix of millions of residuals as a handful: with J^T J =
-// D V L V^T D, D the column norms, the residual L^(-1/2) V^T D^-1 g and the Jacobian L^(1/2) V^T D
-// have the same gradient and matrix; one more constant residual carries what is left of the cost.
-struct Compressed {
-  Eigen::VectorXd residual;  // columns + 1
-  Eigen::MatrixXd jacobian;  // (columns + 1) x columns
-};
-
-Compressed Compress(const NormalEquations& equations) {
-  const Eigen::Index n = equations.gradient.size();
-  Eigen::VectorXd scale = equations.hessian.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
-  const Eigen::MatrixXd scaled = inverse.asDiagonal() * equations.hessian * inverse.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const double floor = 1e-13 * std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
-  const Eigen::VectorXd projected =
-      eigen.eigenvectors().transpose() * (inverse.asDiagonal() * equations.gradient);
-  Compressed out{Eigen::VectorXd::Zero(n + 1), Eigen::MatrixXd::Zero(n + 1, n)};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double value = eigen.eigenvalues()[i];
-    if (!(value > floor)) continue;
-    out.residual[i] = projected[i] / std::sqrt(value);
-    out.jacobian.row(i) =
-        std::sqrt(value) * (eigen.eigenvectors().col(i).transpose() * scale.asDiagonal());
-  }
-  const double rest = 2.0 * equations.cost - out.residual.squaredNorm();
-  out.residual[n] = std::sqrt(std::max(rest, 0.0));
-  return out;
-}
-
-class CompressedCost final : public ceres::CostFunction {
- public:
-  CompressedCost(const Observations& observations, const Scene& start,
-                 const EvaluateOptions& options)
-      : observations_(observations), options_(options), scene_(start, observations.channels) {
-    for (const Block& block : scene_.blocks())
-      mutable_parameter_block_sizes()->push_back(block.size);
-    set_num_residuals(scene_.columns().count() + 1);
-  }
-
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const Point& point = At(parameters);
-    if (!point.compressed.residual.allFinite()) return false;
-    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = point.compressed.residual;
-    if (!jacobians) return true;
-    const auto& blocks = scene_.blocks();
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (!jacobians[i]) continue;
-      using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-      Eigen::Map<RowMajor> out(jacobians[i], num_residuals(), blocks[i].size);
-      if (blocks[i].light < 0) {
-        out = point.compressed.jacobian.col(blocks[i].column);
-      } else {
-        const Eigen::Vector3d direction = Eigen::Map<const Eigen::Vector3d>(parameters[i]);
-        out = point.compressed.jacobian.middleCols(blocks[i].column, 2) *
-              TangentBasis(direction.normalized()).transpose();
-      }
-    }
-    return true;
-  }
-
- private:
-  struct Point {
-    std::vector<double> key;
-    Compressed compressed;
-  };
-
-  // Ceres asks for cost and Jacobian of the same point in separate calls; one pass gives both.
-  const Point& At(double const* const* parameters) const {
-    std::vector<double> key;
-    const auto& blocks = scene_.blocks();
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      key.insert(key.end(), parameters[i], parameters[i] + blocks[i].size);
-    for (const Point& point : recent_)
-      if (point.key == key) return point;
-    scene_.CopyFrom(parameters);
-    const NormalEquations equations =
-        estimator::Evaluate(observations_, scene_.Current(), options_);
-    if (recent_.size() == 4) recent_.pop_front();
-    recent_.push_back({std::move(key), Compress(equations)});
-    return recent_.back();
-  }
-
-  const Observations& observations_;
-  const EvaluateOptions& options_;
-  mutable BlockedScene scene_;
-  mutable std::deque<Point> recent_;
-};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Marquardt's damping, relative to the matrix's diagonal.
+constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e8;
+constexpr double kGaussNewton = 1e-2;  // below it a short step is the end, not the damping's doing
+constexpr double kRounding = 1e-10;    // of the cost: what its sums in single precision resolve
+// The linear model reaches no further than this in one step: radians, 1/R, log n, radians squared.
+constexpr double kDirectionStep = 0.3, kDistanceStep = 0.1, kShininessStep = 1.0,
+                 kRoughnessStep = 0.2;
 
 std::size_t Strongest(const std::vector<Light>& lights) {
   const auto weaker = [](const Light& a, const Light& b) { return a.intensity < b.intensity; };
@@ -173,7 +29,8 @@ std::size_t Strongest(const std::vector<Light>& lights) {
 struct Limits {
   bool held = false;
   double low = 0.0;
-  double high = std::numeric_limits<double>::infinity();
+  double high = kInfinity;
+  double step = kInfinity;  // the longest
 };
 
 std::vector<Limits> LimitsOf(const Columns& columns, const Scene& start,
@@ -186,51 +43,41 @@ std::vector<Limits> LimitsOf(const Columns& columns, const Scene& start,
   if (options.gauge == Gauge::kDiffuse) at(columns.Diffuse()).held = true;
   const bool specular = start.reflectance.specular_model != SpecularModel::kNone;
   at(columns.Specular()).held = !specular;
-  at(columns.LogShininess()) = {!specular, std::log(kMinShininess), std::log(kMaxShininess)};
+  at(columns.LogShininess()) = {!specular, std::log(kMinShininess), std::log(kMaxShininess),
+                                kShininessStep};
   const bool rough = start.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
-  at(columns.RoughnessSquared()) = {!rough, 0.0, kMaxRoughness * kMaxRoughness};
+  at(columns.RoughnessSquared()) = {!rough, 0.0, kMaxRoughness * kMaxRoughness, kRoughnessStep};
   for (int l = 0; l < columns.lights; ++l) {
     const auto index = static_cast<std::size_t>(l);
     const bool fixed = !options.fixed_distance.empty() && options.fixed_distance[index];
-    at(columns.InverseDistance(l)) = {fixed, 0.0, kMaxInverseDistance};
-    const double infinity = std::numeric_limits<double>::infinity();
+    at(columns.InverseDistance(l)) = {fixed, 0.0, kMaxInverseDistance, kDistanceStep};
     for (int k = 0; k < 2; ++k)
-      at(columns.Tangent(l) + k) = {!options.free_directions, -infinity, infinity};
+      at(columns.Tangent(l) + k) = {!options.free_directions, -kInfinity, kInfinity,
+                                    kDirectionStep};
     at(columns.Intensity(l)).held =
         options.gauge == Gauge::kStrongestLight && index == Strongest(start.lights);
   }
   return limits;
 }
 
-void Apply(ceres::Problem& problem, const BlockedScene& blocked,
-           const std::vector<Limits>& limits) {
-  for (const Block& block : blocked.blocks()) {
-    const Limits& limit = limits[static_cast<std::size_t>(block.column)];
-    if (block.light >= 0) problem.SetManifold(block.values, new ceres::SphereManifold<3>());
-    if (limit.held) {
-      problem.SetParameterBlockConstant(block.values);
-      continue;
-    }
-    if (std::isfinite(limit.low)) problem.SetParameterLowerBound(block.values, 0, limit.low);
-    if (std::isfinite(limit.high)) problem.SetParameterUpperBound(block.values, 0, limit.high);
+// The value of each column; tangents are relative to the direction, so theirs are 0.
+Eigen::VectorXd Values(const Scene& scene, const Columns& columns) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(columns.count());
+  const Reflectance& r = scene.reflectance;
+  for (int c = 0; c < columns.channels; ++c) out[columns.Albedo(c)] = r.albedo[c];
+  out[columns.Ambient()] = r.ambient;
+  out[columns.Diffuse()] = r.diffuse;
+  out[columns.Specular()] = r.specular;
+  out[columns.LogShininess()] = std::log(r.shininess);
+  out[columns.RoughnessSquared()] = r.roughness * r.roughness;
+  for (int l = 0; l < columns.lights; ++l) {
+    const Light& light = scene.lights[static_cast<std::size_t>(l)];
+    out[columns.Intensity(l)] = light.intensity;
+    out[columns.InverseDistance(l)] = light.inverse_distance;
   }
+  return out;
 }
 
-// The columns that the data, and not a bound or the gauge, decided.
-std::vector<bool> FreeColumns(const BlockedScene& blocked, const std::vector<Limits>& limits) {
-  std::vector<bool> free(limits.size());
-  for (const Block& block : blocked.blocks()) {
-    const auto column = static_cast<std::size_t>(block.column);
-    const Limits& limit = limits[column];
-    const bool at_bound =
-        block.light < 0 && (block.values[0] <= limit.low || block.values[0] >= limit.high);
-    free[column] = !limit.held && !at_bound;
-    if (block.light >= 0) free[column + 1] = free[column];
-  }
-  return free;
-}
-
-// Ceres wants a start within the bounds.
 Scene WithinBounds(Scene scene) {
   Reflectance& r = scene.reflectance;
   r.albedo = r.albedo.cwiseMax(0.0);
@@ -246,44 +93,102 @@ Scene WithinBounds(Scene scene) {
   return scene;
 }
 
+// The step of the damped normal equations within the bounds, columns scaled to unit diagonal.
+Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::VectorXd& values,
+                           const std::vector<Limits>& limits, double damping) {
+  const Eigen::Index n = values.size();
+  Eigen::VectorXd scale = equations.hessian.diagonal().cwiseMax(0.0).cwiseSqrt();
+  Eigen::VectorXd low(n), high(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Limits& limit = limits[static_cast<std::size_t>(i)];
+    if (limit.held) scale[i] = 0.0;
+    // Rounding must not put 0 outside.
+    low[i] = scale[i] * std::min(std::max(limit.low - values[i], -limit.step), 0.0);
+    high[i] = scale[i] * std::max(std::min(limit.high - values[i], limit.step), 0.0);
+    if (scale[i] == 0.0) low[i] = high[i] = 0.0;
+  }
+  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  Eigen::MatrixXd scaled = inverse.asDiagonal() * equations.hessian * inverse.asDiagonal();
+  scaled.diagonal() *= 1.0 + damping;
+  const Eigen::VectorXd slope = inverse.asDiagonal() * equations.gradient;
+  return inverse.asDiagonal() * MinimiseInBox(scaled, slope, low, high);
+}
+
+bool Finite(const NormalEquations& equations) {
+  return std::isfinite(equations.cost) && equations.gradient.allFinite() &&
+         equations.hessian.allFinite();
+}
+
 }  // namespace
 
+Scene Moved(const Scene& scene, const Columns& columns, const Eigen::VectorXd& step) {
+  Scene out = scene;
+  Reflectance& r = out.reflectance;
+  for (int c = 0; c < columns.channels; ++c) r.albedo[c] += step[columns.Albedo(c)];
+  if (columns.channels == 1) r.albedo.setConstant(r.albedo[0]);
+  r.ambient += step[columns.Ambient()];
+  r.diffuse += step[columns.Diffuse()];
+  r.specular += step[columns.Specular()];
+  r.shininess *= std::exp(step[columns.LogShininess()]);
+  const double squared = r.roughness * r.roughness + step[columns.RoughnessSquared()];
+  if (step[columns.RoughnessSquared()] != 0.0) r.roughness = std::sqrt(std::max(squared, 0.0));
+  for (int l = 0; l < columns.lights; ++l) {
+    Light& light = out.lights[static_cast<std::size_t>(l)];
+    light.intensity += step[columns.Intensity(l)];
+    light.inverse_distance += step[columns.InverseDistance(l)];
+    light.direction =
+        (light.direction + TangentBasis(light.direction) * step.segment<2>(columns.Tangent(l)))
+            .normalized();
+  }
+  return out;
+}
+
 Solution Solve(const Observations& observations, const Scene& start, const SolveOptions& options) {
-  const Scene begin = WithinBounds(start);
-  BlockedScene blocked(begin, observations.channels);
-  CompressedCost cost(observations, begin, options.evaluate);
-  ceres::Problem::Options problem_options;
-  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(problem_options);
-  std::vector<double*> parameters;
-  for (const Block& block : blocked.blocks()) parameters.push_back(block.values);
-  problem.AddResidualBlock(&cost, nullptr, parameters);
-  const std::vector<Limits> limits = LimitsOf(blocked.columns(), begin, options);
-  Apply(problem, blocked, limits);
-
-  ceres::Solver::Options solver;
-  solver.logging_type = ceres::SILENT;
-  solver.num_threads = 1;  // the pass itself is parallel, and its sums are ordered
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
-  solver.gradient_tolerance = 0.0;
-  solver.parameter_tolerance = 1e-10;
-  solver.initial_trust_region_radius = 1e3;
-  solver.max_solver_time_in_seconds = 1e9;  // no clock may decide a result
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-
-  Solution solution;
-  solution.scene = blocked.Current();
-  solution.equations = Evaluate(observations, solution.scene, options.evaluate);
-  for (const auto& iteration : summary.iterations) solution.cost_history.push_back(iteration.cost);
-  solution.free = FreeColumns(blocked, limits);
-  // None at all if the start cannot even be evaluated.
-  solution.iterations = std::max(static_cast<int>(summary.iterations.size()) - 1, 0);
-  solution.evaluate = options.evaluate;
-  solution.converged = summary.termination_type == ceres::CONVERGENCE;
-  return solution;
+  Solution out;
+  out.scene = WithinBounds(start);
+  out.evaluate = options.evaluate;
+  const Columns columns{observations.channels, static_cast<int>(start.lights.size())};
+  const std::vector<Limits> limits = LimitsOf(columns, out.scene, options);
+  out.equations = Evaluate(observations, out.scene, options.evaluate);
+  out.cost_history.push_back(out.equations.cost);
+  double damping = kFirstDamping;
+  while (Finite(out.equations) && out.iterations < options.max_iterations && !out.converged) {
+    const double cost = out.equations.cost;
+    const Eigen::VectorXd step =
+        DampedStep(out.equations, Values(out.scene, columns), limits, damping);
+    const double predicted =
+        -step.dot(out.equations.gradient + 0.5 * (out.equations.hessian * step));
+    if (!(predicted > kRounding * cost) || damping > kMostDamping) {
+      // Nothing to gain: at the minimum, or (its step not finite) as close as it can be known.
+      out.converged = true;
+      break;
+    }
+    Scene trial = WithinBounds(Moved(out.scene, columns, step));
+    NormalEquations equations = Evaluate(observations, trial, options.evaluate);
+    ++out.iterations;
+    const double gained = cost - equations.cost;
+    if (!Finite(equations) || !(gained > 0.0)) {
+      damping *= 10.0;
+      out.cost_history.push_back(cost);
+      // What it might gain is less than matters.
+      out.converged = predicted <= options.function_tolerance * cost;
+      continue;
+    }
+    out.converged = gained <= options.function_tolerance * cost && damping <= kGaussNewton;
+    const double gain = gained / predicted;
+    damping *= gain > 0.75 ? 0.1 : gain > 0.25 ? 0.5 : 4.0;
+    damping = std::max(damping, kLeastDamping);
+    out.scene = std::move(trial);
+    out.equations = std::move(equations);
+    out.cost_history.push_back(out.equations.cost);
+  }
+  // The columns that the data, and not a bound or the gauge, decided.
+  const Eigen::VectorXd values = Values(out.scene, columns);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const Limits& limit = limits[static_cast<std::size_t>(i)];
+    out.free.push_back(!limit.held && values[i] > limit.low && values[i] < limit.high);
+  }
+  return out;
 }
 
 Scene Normalised(const Scene& scene) {

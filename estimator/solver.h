@@ -1,4 +1,6 @@
-// Levenberg-Marquardt on the whole problem: Ceres over one compressed cost function.
+// Levenberg-Marquardt on the whole problem, within bounds: every step minimises the damped quadratic
+// inside the box of what is allowed (see box_quadratic.h), instead of cutting a free step short. A
+// step that ends at a bound is no failure then; with lights to spare most steps do.
 #pragma once
 
 #include <string>
@@ -45,6 +47,9 @@ struct Solution {
 // names, keep the values they have in the start. Specular parameters are free unless the
 // model is kNone, roughness if the model is kOrenNayar. Deterministic for any number of threads.
 Solution Solve(const Observations& observations, const Scene& start, const SolveOptions& options);
+
+// The scene moved by a step in the columns' coordinates; directions along their tangents.
+Scene Moved(const Scene& scene, const Columns& columns, const Eigen::VectorXd& step);
 
 // Puts a scene in the gauge of the results: max(albedo) = 1, the strongest light has intensity 1,
 // lights strongest first. The pictures it makes do not change.

@@ -120,30 +120,6 @@ Covariance Invert(const Solution& solution, const Observations& observations,
   return out;
 }
 
-// The scene with one column moved by a step.
-Scene Moved(const Scene& scene, const Columns& columns, int column, double step) {
-  Scene out = scene;
-  Reflectance& r = out.reflectance;
-  if (column < columns.channels) r.albedo[column] += step;
-  if (columns.channels == 1) r.albedo.setConstant(r.albedo[0]);
-  if (column == columns.Ambient()) r.ambient += step;
-  if (column == columns.Diffuse()) r.diffuse += step;
-  if (column == columns.Specular()) r.specular += step;
-  if (column == columns.LogShininess()) r.shininess *= std::exp(step);
-  if (column == columns.RoughnessSquared())
-    r.roughness = std::sqrt(std::max(r.roughness * r.roughness + step, 0.0));
-  for (int l = 0; l < columns.lights; ++l) {
-    Light& light = out.lights[static_cast<std::size_t>(l)];
-    if (column == columns.Intensity(l)) light.intensity += step;
-    if (column == columns.InverseDistance(l)) light.inverse_distance += step;
-    for (int k = 0; k < 2; ++k)
-      if (column == columns.Tangent(l) + k)
-        light.direction =
-            (light.direction + step * TangentBasis(light.direction).col(k)).normalized();
-  }
-  return out;
-}
-
 // The reported quantities as one vector, directions by their tangent coordinates at the solution.
 constexpr Eigen::Index kPerLight = 13, kShared = 11;
 
@@ -191,7 +167,8 @@ Carried CarryOver(const Solution& solution, const Observations& observations,
     const double sigma = std::sqrt(covariance.matrix(i, i));
     const double step = undetermined || !(sigma > 0.0) ? 1e-6 : std::min(1e-3 * sigma, 1e-4);
     const auto moved = [&](double by) {
-      return Flatten(Report(Moved(solution.scene, columns, column, by), observations, order), at);
+      const Eigen::VectorXd by_column = by * Eigen::VectorXd::Unit(columns.count(), column);
+      return Flatten(Report(Moved(solution.scene, columns, by_column), observations, order), at);
     };
     out.jacobian.col(i) = (moved(step) - moved(-step)) / (2.0 * step);
     if (undetermined)
