@@ -286,7 +286,7 @@ Scene FindStart(const Observations& all, const EstimateOptions& options, double 
   const auto clusters =
       LeaderClustering(HighIntensityArea(map, kHighShare), DegToRad(kClusterRadiusDeg));
   Candidate candidate = FindLights(sample, clusters, noise, estimate.ladder);
-  candidate = ChooseDiffuse(sample, std::move(candidate), noise, estimate.ladder);
+  candidate = ChooseDiffuse(sample, candidate, noise, estimate.ladder);
   for (const double rms : candidate.rms_history)
     estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});
   return candidate.scene;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kExcessFloor = 5e-4;  // radiance: what footprints and edges leave even when clean
 constexpr double kEliminationRatio = 3.0;  // true lights gave 40 and more
-constexpr double kHardlyMissed = 1.1;
+constexpr double kHardlyMissed = 1.2;
 constexpr double kMergeLimitDeg = 15.0;
 constexpr double kNoLobeMergeDeg = 25.0;
 constexpr double kNegligibleShare = 0.005;
@@ -32,11 +32,14 @@ std::vector<float> Values(const Observations& all, int channel) {
   return values;
 }
 
+// What a fit is for: to be compared with others, which differ by factors, or to be gone on from.
+constexpr double kToCompare = 2e-4, kToKeep = 1e-6;  // tolerance
+
 Solution SolveStart(const Observations& sample, const Candidate& start, int iterations,
-                    bool free_geometry) {
+                    bool free_geometry, double tolerance) {
   SolveOptions options;
   options.max_iterations = iterations;
-  options.function_tolerance = 1e-6;
+  options.function_tolerance = tolerance;
   options.gauge = Gauge::kDiffuse;
   options.free_directions = free_geometry;
   if (!free_geometry) options.fixed_distance.assign(start.scene.lights.size(), true);
@@ -95,8 +98,9 @@ void AppendHistory(const Observations& sample, const Solution& solution,
     history.push_back(std::sqrt(2.0 * solution.cost_history[i] / values));
 }
 
-Candidate Refit(const Observations& sample, const Candidate& start, int iterations, double noise) {
-  Solution solution = SolveStart(sample, start, iterations, true);
+Candidate Refit(const Observations& sample, const Candidate& start, int iterations, double noise,
+                double tolerance) {
+  Solution solution = SolveStart(sample, start, iterations, true, tolerance);
   Candidate out{std::move(solution.scene), std::move(solution.evaluate.shadows),
                 ExcessVariance(solution.equations.cost, sample, noise), start.rms_history};
   AppendHistory(sample, solution, out.rms_history);
@@ -115,7 +119,7 @@ Candidate BestWithoutOne(const Observations& sample, const Candidate& full, doub
   for (const std::size_t index : order) {
     Candidate start = full;
     start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
-    Candidate candidate = Refit(sample, start, 20, noise);
+    Candidate candidate = Refit(sample, start, 20, noise, kToCompare);
     if (best.scene.lights.empty() || candidate.excess < best.excess) best = std::move(candidate);
     if (best.excess <= kHardlyMissed * full.excess) break;
   }
@@ -198,15 +202,15 @@ bool NothingLeft(double excess, const Observations& observations, double noise) 
 Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise) {
   Candidate best;
   best.scene = start;
-  const Solution linear = SolveStart(sample, best, 15, false);
+  const Solution linear = SolveStart(sample, best, 15, false, kToCompare);
   AppendHistory(sample, linear, best.rms_history);
   best.scene = linear.scene;
   best.shadows = linear.evaluate.shadows;
-  best = Refit(sample, best, 40, noise);
+  best = Refit(sample, best, 40, noise, kToCompare);
   for (int round = 0; round < 6; ++round) {
     Candidate merged = best;
     if (!MergeAndPrune(merged.scene) || merged.scene.lights.empty()) break;
-    best = Refit(sample, merged, 20, noise);
+    best = Refit(sample, merged, 20, noise, kToCompare);
   }
   return best;
 }
@@ -216,13 +220,13 @@ Candidate FitAndEliminate(const Observations& sample, const Scene& start, double
 }
 
 Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise) {
-  Candidate best = Refit(sample, fitted, 40, noise);
+  Candidate best = Refit(sample, fitted, 40, noise, kToKeep);
   while (best.scene.lights.size() > 1) {
     Candidate fewer = BestWithoutOne(sample, best, noise);
     if (fewer.excess >= kEliminationRatio * best.excess) break;
     best = std::move(fewer);
   }
-  return best;
+  return Refit(sample, best, 40, noise, kToKeep);
 }
 
 }  // namespace turnlight::estimator

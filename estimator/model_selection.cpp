@@ -31,7 +31,7 @@ Eigen::Vector3d MeanNormal(const Observations& all) {
                                                            : Eigen::Vector3d::UnitZ();
 }
 
-// The fraction of rows whose residual is typical: the median absolute residual as a sigma.
+// The median absolute residual as a sigma.
 double RobustSigma(const Observations& all, const Scene& scene, const EvaluateOptions& options) {
   const auto model = Predict(all, scene, options);
   const Plane& usable = options.shadows.usable;
@@ -109,8 +109,7 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   SolveOn(observations, out);
 }
 
-// Sigma of each light's inverse distance about the reference, in 1/R: from the solver's own
-// columns.
+// A light is near if its inverse distance about the reference, in 1/R, says so.
 void ChooseDistances(const Observations& observations, Refined& out, std::vector<Rung>& ladder) {
   const std::size_t lights = out.solution.scene.lights.size();
   std::vector<std::size_t> own_order(lights);
@@ -144,12 +143,59 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
   SolveOn(observations, out);
 }
 
-// Fewer lights are better unless more make the excess variance three times smaller.
-bool Better(const Candidate& a, const Candidate& b) {
-  const std::size_t la = a.scene.lights.size(), lb = b.scene.lights.size();
-  const double more = la > lb ? kRatioPerLight : la < lb ? 1.0 / kRatioPerLight : 1.0;
-  return a.excess * more < b.excess;
+bool Rough(const Candidate& candidate) {
+  return candidate.scene.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
 }
+
+// The simpler model is better unless the other makes the excess variance smaller: three times for
+// each light, 1.25 times for a rough surface.
+bool Better(const Candidate& a, const Candidate& b) {
+  const double lights = static_cast<double>(a.scene.lights.size()) -
+                        static_cast<double>(b.scene.lights.size());
+  const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
+  return a.excess * std::pow(kRatioPerLight, lights) * std::pow(kRoughRatio, rough) < b.excess;
+}
+
+Candidate WithDiffuse(Candidate candidate, DiffuseModel model) {
+  Reflectance& r = candidate.scene.reflectance;
+  r.diffuse_model = model;
+  r.roughness = model == DiffuseModel::kOrenNayar ? kFirstRoughness : 0.0;
+  return candidate;
+}
+
+const char* Name(DiffuseModel model) {
+  return model == DiffuseModel::kOrenNayar ? "Oren-Nayar" : "Lambert";
+}
+
+// The candidates so far, and what became of each.
+struct Search {
+  const Observations& sample;
+  double noise;
+  Candidate best;
+  std::string winner, tried;
+  bool done = false;
+
+  // Returns the excess variance that the start led to.
+  double Try(const char* from, const std::vector<Eigen::Vector3d>& directions,
+             DiffuseModel diffuse) {
+    Candidate start;
+    start.scene = StartFromDirections(sample, directions);
+    start = WithDiffuse(std::move(start), diffuse);
+    Candidate found =
+        AddMissingLights(sample, FitAndEliminate(sample, start.scene, noise), noise);
+    const double excess = found.excess;
+    const std::string name = std::string(from) + " with " + Name(diffuse);
+    tried += (tried.empty() ? "" : "; ") + name +
+             Format(" lead to %zu lights with an excess variance of %.3g",
+                    found.scene.lights.size(), excess);
+    done = done || NothingLeft(excess, sample, noise);
+    if (winner.empty() || Better(found, best)) {
+      best = std::move(found);
+      winner = name;
+    }
+    return excess;
+  }
+};
 
 }  // namespace
 
@@ -158,71 +204,46 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
   std::vector<Eigen::Vector3d> directions;
   for (const MapPoint& cluster : clusters)
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
-  const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample));
-  const struct {
-    const char* name;
-    const std::vector<Eigen::Vector3d>& directions;
-    DiffuseModel diffuse;
-  } starts[] = {{"the intensity map's clusters", directions, DiffuseModel::kLambert},
-                {"the map with Oren-Nayar", directions, DiffuseModel::kOrenNayar},
-                {"a lattice of lights", lattice, DiffuseModel::kLambert},
-                {"the lattice with Oren-Nayar", lattice, DiffuseModel::kOrenNayar}};
-  Candidate best;
-  const char* winner = nullptr;
-  std::string tried;
-  for (const auto& start : starts) {
-    Scene scene = StartFromDirections(sample, start.directions);
-    scene.reflectance.diffuse_model = start.diffuse;
-    if (start.diffuse == DiffuseModel::kOrenNayar) scene.reflectance.roughness = kFirstRoughness;
-    Candidate candidate = AddMissingLights(sample, FitAndEliminate(sample, scene, noise), noise);
-    tried += (winner ? "; " : "") + std::string(start.name) +
-             Format(" lead to %.0f lights with an excess variance of %.3g",
-                    static_cast<double>(candidate.scene.lights.size()), candidate.excess);
-    const bool done = NothingLeft(candidate.excess, sample, noise);
-    if (winner == nullptr || Better(candidate, best)) {
-      best = std::move(candidate);
-      winner = start.name;
-    }
-    if (done) break;
+  Search search{sample, noise, {}, {}, {}};
+  const double lambert =
+      search.Try("the intensity map's clusters", directions, DiffuseModel::kLambert);
+  if (!search.done) {
+    const double rough = search.Try("the clusters", directions, DiffuseModel::kOrenNayar);
+    // Oren-Nayar can be as smooth as Lambert; Lambert has fewer ways to go wrong.
+    const bool smooth = lambert <= kRoughRatio * rough;
+    if (!search.done)
+      search.Try("a lattice of lights", HemisphereDirections(kLatticeLights, MeanNormal(sample)),
+                 smooth ? DiffuseModel::kLambert : DiffuseModel::kOrenNayar);
   }
-  ladder.push_back({"start", true, tried + ". Taken: " + winner});
-  return best;
+  ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
+  return std::move(search.best);
 }
 
-Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
+Candidate ChooseDiffuse(const Observations& sample, const Candidate& candidate, double noise,
                         std::vector<Rung>& ladder) {
-  const bool rough_already = candidate.scene.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
-  if (rough_already || NothingLeft(candidate.excess, sample, noise)) {
-    if (rough_already)
-      ladder.push_back(
-          {"oren-nayar", true,
-           Format("only with it the lights explain the pictures (excess variance %.3g)",
-                  candidate.excess)});
-    else
-      ladder.push_back(
-          {"oren-nayar", false,
-           Format("with Lambert the excess variance is %.3g: nothing is left to explain",
-                  candidate.excess)});
+  if (!Rough(candidate) && NothingLeft(candidate.excess, sample, noise)) {
+    ladder.push_back(
+        {"oren-nayar", false,
+         Format("with Lambert the excess variance is %.3g: nothing is left to explain",
+                candidate.excess)});
     return candidate;
   }
-  candidate = Eliminate(sample, candidate, noise);
-  Candidate start = candidate;
-  start.scene.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
-  start.scene.reflectance.roughness = kFirstRoughness;
-  Candidate rough = Eliminate(sample, start, noise);
-  const double lights = static_cast<double>(candidate.scene.lights.size());
-  const double rough_lights = static_cast<double>(rough.scene.lights.size());
-  const double saved = lights - rough_lights;
-  const bool accepted = rough_lights < lights
-                            ? rough.excess <= candidate.excess * std::pow(kRatioPerLight, saved)
-                            : rough.excess * kRoughRatio <= candidate.excess;
+  const auto with = [&](DiffuseModel model) {
+    return Eliminate(
+        sample, model == candidate.scene.reflectance.diffuse_model
+                    ? candidate
+                    : WithDiffuse(candidate, model),
+        noise);
+  };
+  Candidate smooth = with(DiffuseModel::kLambert), rough = with(DiffuseModel::kOrenNayar);
+  const bool accepted = Better(rough, smooth);
   ladder.push_back(
       {"oren-nayar", accepted,
-       Format("excess variance %.3g with Lambert and %.0f lights", candidate.excess, lights) +
-           Format(", %.3g with Oren-Nayar and %.0f; rough from a ratio of %.2f, or when "
-                  "it saves a light",
-                  rough.excess, rough_lights, kRoughRatio)});
-  return accepted ? rough : candidate;
+       Format("excess variance %.3g with Lambert and %zu lights, %.3g with Oren-Nayar and %zu; "
+              "rough from a ratio of %.2f, each light saved is worth %.0f",
+              smooth.excess, smooth.scene.lights.size(), rough.excess, rough.scene.lights.size(),
+              kRoughRatio, kRatioPerLight)});
+  return accepted ? rough : smooth;
 }
 
 Refined Refine(const Observations& observations, const Scene& start, double noise,

@@ -19,13 +19,13 @@ struct Rung {  // one decision about the model, in the order they were taken
 
 // The start without a hint: the intensity map's clusters; if they and what they miss do not explain
 // the pictures, also with Oren-Nayar, and an over-complete lattice of lights. Each is fitted and
-// thinned out, and the best stays (more lights only if the excess variance falls threefold).
+// thinned out, and the best stays: a light more must make the excess variance three times smaller,
+// Oren-Nayar 1.25 times.
 Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
                      double noise, std::vector<Rung>& ladder);
 
-// Lambert or Oren-Nayar, on the sample: rough only if the excess variance falls by a factor
-// of 1.25, or if it saves a light.
-Candidate ChooseDiffuse(const Observations& sample, Candidate candidate, double noise,
+// Lambert or Oren-Nayar for these lights, on the sample, by the same rule.
+Candidate ChooseDiffuse(const Observations& sample, const Candidate& candidate, double noise,
                         std::vector<Rung>& ladder);
 
 // The full solve on all observations from a good start, its footprints sampled for the lobe found,
