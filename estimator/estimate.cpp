@@ -14,7 +14,8 @@
 namespace turnlight::estimator {
 namespace {
 
-constexpr std::size_t kSampleSize = 6000;
+// Pixels that a start is found on; with noise of more than 2 % of white more, up to eight times.
+constexpr double kSampleSize = 6000.0, kSampledNoise = 0.02, kMostSamples = 8.0;
 constexpr std::size_t kMinPixels = 30;
 constexpr double kClusterRadiusDeg = 25.0;
 constexpr double kHighShare = 0.5;      // of the map's range: the paper's high-intensity areas
@@ -27,12 +28,13 @@ double Seconds() {
 
 // Why nothing usable was observed, counted over all keyframes.
 std::string WhyNothing(const std::vector<cv::Mat1b>& flags) {
-  std::size_t on_target = 0, saturated = 0, edge = 0;
+  std::size_t on_target = 0, saturated = 0, unreliable = 0, edge = 0;
   for (const cv::Mat1b& picture : flags)
     for (const std::uint8_t flag : picture) {
       if (flag & kOffTarget) continue;
       ++on_target;
       saturated += (flag & kSaturated) != 0 ? 1 : 0;
+      unreliable += (flag & kUnreliable) != 0 ? 1 : 0;
       edge += (flag & (kSilhouette | kGrazing)) != 0 ? 1 : 0;
     }
   if (on_target == 0)
@@ -40,6 +42,10 @@ std::string WhyNothing(const std::vector<cv::Mat1b>& flags) {
   if (2 * saturated > on_target)
     return std::to_string(saturated) + " of " + std::to_string(on_target) +
            " target pixels are clipped: lower the exposure or the gain.";
+  if (2 * unreliable > on_target)
+    return std::to_string(unreliable) + " of " + std::to_string(on_target) +
+           " target pixels are lost in noise or are outliers: expose longer, lower the gain, or "
+           "average pictures.";
   return std::to_string(edge) + " of " + std::to_string(on_target) +
          " target pixels are at the outline or too oblique: move the camera closer.";
 }
@@ -276,7 +282,8 @@ namespace {
 Scene FindStart(const Observations& all, const EstimateOptions& options, double noise,
                 const IntensityMap& map, Estimate& estimate) {
   if (options.warm_start) return ToSolver(*options.warm_start, all);
-  const Observations sample = Subsample(all, kSampleSize, 1);
+  const double more = std::clamp(std::pow(noise / kSampledNoise, 2), 1.0, kMostSamples);
+  const Observations sample = Subsample(all, static_cast<std::size_t>(kSampleSize * more), 1);
   if (options.initial) {
     estimate.ladder.push_back(
         {"lights", true,

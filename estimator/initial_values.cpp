@@ -11,11 +11,20 @@ namespace turnlight::estimator {
 namespace {
 
 constexpr double kExcessFloor = 5e-4;  // radiance: what footprints and edges leave even when clean
+constexpr double kNoiseFloor = 0.005;  // of noise^2: how well it is known
 constexpr double kEliminationRatio = 3.0;  // true lights gave 40 and more
 constexpr double kHardlyMissed = 1.2;
 constexpr double kMergeLimitDeg = 15.0;
 constexpr double kNoLobeMergeDeg = 25.0;
 constexpr double kNegligibleShare = 0.005;
+
+double ExcessFloor(double noise) {
+  return kExcessFloor * kExcessFloor + kNoiseFloor * noise * noise;
+}
+
+double ValuesIn(const Observations& sample) {
+  return static_cast<double>(sample.used) * sample.channels;
+}
 
 double Median(std::vector<float>& values) {
   if (values.empty()) return 0.0;
@@ -93,7 +102,7 @@ bool MergeAndPrune(Scene& scene) {
 // Appends a solve's costs, as root mean squares, to what went before.
 void AppendHistory(const Observations& sample, const Solution& solution,
                    std::vector<double>& history) {
-  const double values = static_cast<double>(sample.used) * sample.channels;
+  const double values = ValuesIn(sample);
   for (std::size_t i = history.empty() ? 0 : 1; i < solution.cost_history.size(); ++i)
     history.push_back(std::sqrt(2.0 * solution.cost_history[i] / values));
 }
@@ -101,8 +110,9 @@ void AppendHistory(const Observations& sample, const Solution& solution,
 Candidate Refit(const Observations& sample, const Candidate& start, int iterations, double noise,
                 double tolerance) {
   Solution solution = SolveStart(sample, start, iterations, true, tolerance);
-  Candidate out{std::move(solution.scene), std::move(solution.evaluate.shadows),
-                ExcessVariance(solution.equations.cost, sample, noise), start.rms_history};
+  const double mean_square = 2.0 * solution.equations.cost / ValuesIn(sample);
+  Candidate out{std::move(solution.scene), std::move(solution.evaluate.shadows), mean_square,
+                ExcessVariance(mean_square, noise), start.rms_history};
   AppendHistory(sample, solution, out.rms_history);
   return out;
 }
@@ -188,15 +198,13 @@ Scene StartFromDirections(const Observations& observations,
   return scene;
 }
 
-double ExcessVariance(double cost, const Observations& observations, double noise) {
-  const double values = static_cast<double>(observations.used) * observations.channels;
-  return std::max(2.0 * cost / values - noise * noise, 0.0) + kExcessFloor * kExcessFloor;
+double ExcessVariance(double mean_square, double noise) {
+  return std::max(mean_square - noise * noise, 0.0) + ExcessFloor(noise);
 }
 
 bool NothingLeft(double excess, const Observations& observations, double noise) {
-  const double values = static_cast<double>(observations.used) * observations.channels;
-  const double spread = noise * noise * std::sqrt(2.0 / values);
-  return excess <= 1.5 * kExcessFloor * kExcessFloor + 4.0 * spread;
+  const double spread = noise * noise * std::sqrt(2.0 / ValuesIn(observations));
+  return excess <= 1.5 * ExcessFloor(noise) + 4.0 * spread;
 }
 
 Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise) {
@@ -221,8 +229,11 @@ Candidate FitAndEliminate(const Observations& sample, const Scene& start, double
 
 Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise) {
   Candidate best = Refit(sample, fitted, 40, noise, kToKeep);
+  // With lights to spare what is left is noise; a larger estimate of it would hide lights.
+  const double least = std::min(noise, std::sqrt(best.mean_square));
+  best.excess = ExcessVariance(best.mean_square, least);
   while (best.scene.lights.size() > 1) {
-    Candidate fewer = BestWithoutOne(sample, best, noise);
+    Candidate fewer = BestWithoutOne(sample, best, least);
     if (fewer.excess >= kEliminationRatio * best.excess) break;
     best = std::move(fewer);
   }

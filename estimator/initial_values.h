@@ -32,7 +32,8 @@ Scene StartFromDirections(const Observations& observations,
 struct Candidate {
   Scene scene;                      // in the observations' coordinates
   Shadows shadows;                  // that it was fitted with
-  double excess = 0.0;              // residual variance above the noise, with a floor
+  double mean_square = 0.0;         // residual variance per value
+  double excess = 0.0;              // of it what is above the noise, with a floor
   std::vector<double> rms_history;  // on the sample: the start, and after each iteration since
 };
 Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise);
@@ -41,9 +42,9 @@ Candidate FitAndEliminate(const Observations& sample, const Scene& start, double
 Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise);
 Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise);
 
-// The residual variance per value above noise^2, at least a floor that stands for what the model
-// cannot describe anyway.
-double ExcessVariance(double cost, const Observations& observations, double noise);
+// What of a residual variance is above noise^2, with a floor that stands for what the model cannot
+// describe anyway and for what the noise's estimate is off.
+double ExcessVariance(double mean_square, double noise);
 
 // Whether an excess variance is no more than its floor and the statistical uncertainty of the
 // noise: no other model can explain more.

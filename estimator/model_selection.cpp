@@ -150,8 +150,8 @@ bool Rough(const Candidate& candidate) {
 // The simpler model is better unless the other makes the excess variance smaller: three times for
 // each light, 1.25 times for a rough surface.
 bool Better(const Candidate& a, const Candidate& b) {
-  const double lights = static_cast<double>(a.scene.lights.size()) -
-                        static_cast<double>(b.scene.lights.size());
+  const double lights =
+      static_cast<double>(a.scene.lights.size()) - static_cast<double>(b.scene.lights.size());
   const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
   return a.excess * std::pow(kRatioPerLight, lights) * std::pow(kRoughRatio, rough) < b.excess;
 }
@@ -181,8 +181,7 @@ struct Search {
     Candidate start;
     start.scene = StartFromDirections(sample, directions);
     start = WithDiffuse(std::move(start), diffuse);
-    Candidate found =
-        AddMissingLights(sample, FitAndEliminate(sample, start.scene, noise), noise);
+    Candidate found = AddMissingLights(sample, FitAndEliminate(sample, start.scene, noise), noise);
     const double excess = found.excess;
     const std::string name = std::string(from) + " with " + Name(diffuse);
     tried += (tried.empty() ? "" : "; ") + name +
@@ -222,18 +221,17 @@ Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& cl
 Candidate ChooseDiffuse(const Observations& sample, const Candidate& candidate, double noise,
                         std::vector<Rung>& ladder) {
   if (!Rough(candidate) && NothingLeft(candidate.excess, sample, noise)) {
-    ladder.push_back(
-        {"oren-nayar", false,
-         Format("with Lambert the excess variance is %.3g: nothing is left to explain",
-                candidate.excess)});
+    ladder.push_back({"oren-nayar", false,
+                      Format("with Lambert the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
     return candidate;
   }
   const auto with = [&](DiffuseModel model) {
-    return Eliminate(
-        sample, model == candidate.scene.reflectance.diffuse_model
-                    ? candidate
-                    : WithDiffuse(candidate, model),
-        noise);
+    return Eliminate(sample,
+                     model == candidate.scene.reflectance.diffuse_model
+                         ? candidate
+                         : WithDiffuse(candidate, model),
+                     noise);
   };
   Candidate smooth = with(DiffuseModel::kLambert), rough = with(DiffuseModel::kOrenNayar);
   const bool accepted = Better(rough, smooth);

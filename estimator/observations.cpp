@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "estimator/broken_pixels.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -120,40 +121,8 @@ cv::Mat1b Eroded(const cv::Mat1b& mask, int margin) {
   return result;
 }
 
-// What no scene can be next to what most pixels show: broken pixels of float pictures.
-double LargestPlausible(const std::vector<Keyframe>& keyframes) {
-  constexpr double kTimesTypical = 1e4;
-  std::vector<float> values;
-  for (const Keyframe& keyframe : keyframes)
-    for (int row = 0; row < keyframe.image.radiance.rows; row += 4)
-      for (int column = 0; column < keyframe.image.radiance.cols; column += 4)
-        if (keyframe.mask(row, column) != 0) {
-          const float value = keyframe.image.radiance.ptr<float>(
-              row)[static_cast<std::ptrdiff_t>(column) * keyframe.image.radiance.channels()];
-          if (std::isfinite(value) && value > 0.0f) values.push_back(value);
-        }
-  if (values.empty()) return std::numeric_limits<double>::infinity();
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * 0.8);
-  std::nth_element(values.begin(), at, values.end());
-  return kTimesTypical * static_cast<double>(*at);
-}
-
-// Adds to the clipped pixels those that are not plausible.
-cv::Mat1b Unusable(const Keyframe& keyframe, double largest) {
-  cv::Mat1b out = keyframe.image.saturated.clone();
-  const cv::Mat& image = keyframe.image.radiance;
-  for (int row = 0; row < image.rows; ++row) {
-    const float* value = image.ptr<float>(row);
-    for (int i = 0; i < image.cols * image.channels(); ++i)
-      if (!(std::abs(static_cast<double>(value[i])) <= largest))
-        out(row, i / image.channels()) = 255;
-  }
-  return out;
-}
-
 FramePixels TraceKeyframe(const Keyframe& keyframe, const Geometry& geometry,
-                          const calib::RayGrid& rays, double largest) {
+                          const calib::RayGrid& rays) {
   const int width = rays.width(), height = rays.height();
   const FrameTracer tracer(keyframe, geometry, rays);
   std::vector<std::optional<PixelGeometry>> traced(static_cast<std::size_t>(width) * height);
@@ -168,8 +137,10 @@ FramePixels TraceKeyframe(const Keyframe& keyframe, const Geometry& geometry,
     }
   });
   const cv::Mat1b inside = Eroded(target, kSilhouetteMargin);
-  cv::Mat1b saturated;
-  cv::dilate(Unusable(keyframe, largest), saturated, cv::Mat1b::ones(3, 3));
+  const cv::Mat1b broken = FindBrokenPixels(keyframe.image.radiance, target);
+  // Charge and interpolation spill over from what is far too bright; noise does not.
+  cv::Mat1b saturated = keyframe.image.saturated | ((broken & kImplausible) != 0);
+  cv::dilate(saturated, saturated, cv::Mat1b::ones(3, 3));
   const double grazing =
       std::holds_alternative<calib::PlaneShape>(geometry.shape()) ? kGrazingPlane : kGrazingCurved;
   FramePixels out;
@@ -181,6 +152,7 @@ FramePixels TraceKeyframe(const Keyframe& keyframe, const Geometry& geometry,
       std::uint8_t flag = 0;
       if (!pixel) flag |= kOffTarget;
       if (saturated(row, column) != 0) flag |= kSaturated;
+      if ((broken(row, column) & (kOutlier | kFloored)) != 0) flag |= kUnreliable;
       if (pixel && (inside(row, column) == 0 || !pixel->smooth)) flag |= kSilhouette;
       if (pixel && pixel->cosine < grazing) flag |= kGrazing;
       out.flags(row, column) = flag;
@@ -264,10 +236,9 @@ float FromBFloat16(BFloat16 value) {
 
 Observations BuildObservations(const std::vector<Keyframe>& keyframes, const Geometry& geometry,
                                const calib::RayGrid& rays, std::vector<cv::Mat1b>* flags) {
-  const double largest = LargestPlausible(keyframes);
   std::vector<FramePixels> frames(keyframes.size());
   for (std::size_t k = 0; k < keyframes.size(); ++k)
-    frames[k] = TraceKeyframe(keyframes[k], geometry, rays, largest);
+    frames[k] = TraceKeyframe(keyframes[k], geometry, rays);
   Observations out;
   out.radius = geometry.radius();
   out.channels = ChannelsAreEqual(keyframes) ? 1 : 3;

@@ -1,6 +1,6 @@
-// Levenberg-Marquardt on the whole problem, within bounds: every step minimises the damped quadratic
-// inside the box of what is allowed (see box_quadratic.h), instead of cutting a free step short. A
-// step that ends at a bound is no failure then; with lights to spare most steps do.
+// Levenberg-Marquardt on the whole problem, within bounds: every step minimises the damped
+// quadratic inside the box of what is allowed (see box_quadratic.h), instead of cutting a free step
+// short. A step that ends at a bound is no failure then; with lights to spare most steps do.
 #pragma once
 
 #include <string>

@@ -1,0 +1,167 @@
+#include "estimator/broken_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kTimesTypical = 1e4;
+constexpr double kManySpikes = 5e-4;  // of the target's pixels
+constexpr double kManyAtFloor = 2e-3;
+constexpr float kSigmas = 6.0f;
+constexpr double kFloorSigmas = 2.0;  // from here on the mean is less than 0.01 sigma off
+constexpr int kReach = 2;             // 5 x 5
+constexpr int kPasses = 2;
+
+// The q-quantile; reorders the values. 0 of none.
+float Quantile(std::vector<float>& values, double q) {
+  if (values.empty()) return 0.0f;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * q);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// One channel of a picture and which of its pixels count.
+struct Channel {
+  cv::Mat1f value;
+  const cv::Mat1b& target;
+  cv::Mat1b& broken;
+
+  bool Good(int row, int column) const {
+    return row >= 0 && column >= 0 && row < value.rows && column < value.cols &&
+           target(row, column) != 0 && broken(row, column) == 0;
+  }
+};
+
+void MarkImplausible(Channel& channel) {
+  std::vector<float> positive;
+  for (int row = 0; row < channel.value.rows; ++row)
+    for (int column = 0; column < channel.value.cols; ++column) {
+      const float v = channel.value(row, column);
+      if (channel.target(row, column) != 0 && std::isfinite(v) && v > 0.0f) positive.push_back(v);
+    }
+  const double largest = positive.empty()
+                             ? std::numeric_limits<double>::infinity()
+                             : kTimesTypical * static_cast<double>(Quantile(positive, 0.8));
+  for (int row = 0; row < channel.value.rows; ++row)
+    for (int column = 0; column < channel.value.cols; ++column) {
+      const auto v = static_cast<double>(channel.value(row, column));
+      if (channel.target(row, column) != 0 && !(std::isfinite(v) && std::abs(v) <= largest))
+        channel.broken(row, column) |= kImplausible;
+    }
+}
+
+// Sigma of the noise from second differences along rows. Their 20 % quantile: of a picture with
+// many outliers most differences hold one.
+float Noise(const Channel& channel) {
+  std::vector<float> differences;
+  for (int row = 0; row < channel.value.rows; ++row)
+    for (int column = 1; column + 1 < channel.value.cols; ++column)
+      if (channel.Good(row, column - 1) && channel.Good(row, column) &&
+          channel.Good(row, column + 1))
+        differences.push_back(std::abs(channel.value(row, column - 1) -
+                                       2.0f * channel.value(row, column) +
+                                       channel.value(row, column + 1)));
+  // 0.2533: the 20 % quantile of a unit normal's magnitude; sqrt 6: the filter's own gain.
+  return Quantile(differences, 0.2) / (0.2533f * std::sqrt(6.0f));
+}
+
+// Darker than all its eight neighbours by more than noise, and by more than they differ.
+bool DarkSpike(const Channel& channel, int row, int column, float noise) {
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (int r = row - 1; r <= row + 1; ++r)
+    for (int c = column - 1; c <= column + 1; ++c) {
+      if (r == row && c == column) continue;
+      if (!channel.Good(r, c)) return false;
+      low = std::min(low, channel.value(r, c));
+      high = std::max(high, channel.value(r, c));
+    }
+  return channel.value(row, column) < low - std::max(kSigmas * noise, 0.5f * (high - low));
+}
+
+bool HasOutliers(const Channel& channel, float noise) {
+  std::size_t spikes = 0, pixels = 0;
+  for (int row = 0; row < channel.value.rows; ++row)
+    for (int column = 0; column < channel.value.cols; ++column) {
+      if (!channel.Good(row, column)) continue;
+      ++pixels;
+      spikes += DarkSpike(channel, row, column, noise) ? 1 : 0;
+    }
+  return spikes >= 3 && static_cast<double>(spikes) > kManySpikes * static_cast<double>(pixels);
+}
+
+void MarkOutliers(Channel& channel, float noise) {
+  const cv::Mat1b before = channel.broken.clone();
+  const Channel known{channel.value, channel.target, const_cast<cv::Mat1b&>(before)};
+  std::vector<float> around;
+  for (int row = 0; row < channel.value.rows; ++row)
+    for (int column = 0; column < channel.value.cols; ++column) {
+      if (!known.Good(row, column)) continue;
+      around.clear();
+      for (int r = row - kReach; r <= row + kReach; ++r)
+        for (int c = column - kReach; c <= column + kReach; ++c)
+          if ((r != row || c != column) && known.Good(r, c)) around.push_back(channel.value(r, c));
+      const float median = Quantile(around, 0.5);
+      for (float& v : around) v = std::abs(v - median);
+      const float spread = Quantile(around, 0.5) / 0.6745f;
+      // Too few left around it: what they say about it is chance.
+      const bool alone = around.size() < 6;
+      if (alone ||
+          std::abs(channel.value(row, column) - median) > kSigmas * std::max(noise, spread))
+        channel.broken(row, column) |= kOutlier;
+    }
+}
+
+void MarkFloored(Channel& channel, float noise) {
+  float floor = std::numeric_limits<float>::infinity();
+  std::size_t pixels = 0, at_floor = 0;
+  cv::Mat1f value = cv::Mat1f::zeros(channel.value.size());
+  cv::Mat1f weight = cv::Mat1f::zeros(channel.value.size());
+  for (int row = 0; row < value.rows; ++row)
+    for (int column = 0; column < value.cols; ++column)
+      if (channel.Good(row, column)) {
+        value(row, column) = channel.value(row, column);
+        weight(row, column) = 1.0f;
+        floor = std::min(floor, channel.value(row, column));
+        ++pixels;
+      }
+  for (int row = 0; row < value.rows; ++row)
+    for (int column = 0; column < value.cols; ++column)
+      at_floor += weight(row, column) > 0.0f && value(row, column) == floor ? 1 : 0;
+  if (!(noise > 0.0f) || static_cast<double>(at_floor) < kManyAtFloor * static_cast<double>(pixels))
+    return;
+  const cv::Size window(2 * kReach + 1, 2 * kReach + 1);
+  cv::boxFilter(value, value, -1, window);
+  cv::boxFilter(weight, weight, -1, window);
+  const float limit = floor + static_cast<float>(kFloorSigmas) * noise;
+  for (int row = 0; row < value.rows; ++row)
+    for (int column = 0; column < value.cols; ++column)
+      if (channel.Good(row, column) && value(row, column) < limit * weight(row, column))
+        channel.broken(row, column) |= kFloored;
+}
+
+}  // namespace
+
+cv::Mat1b FindBrokenPixels(const cv::Mat& radiance, const cv::Mat1b& target) {
+  cv::Mat1b out(radiance.size(), std::uint8_t{0});
+  for (int c = 0; c < radiance.channels(); ++c) {
+    cv::Mat1b broken(radiance.size(), std::uint8_t{0});
+    cv::Mat1f value;
+    cv::extractChannel(radiance, value, c);
+    Channel channel{value, target, broken};
+    MarkImplausible(channel);
+    const float noise = Noise(channel);
+    if (HasOutliers(channel, noise))
+      for (int pass = 0; pass < kPasses; ++pass) MarkOutliers(channel, noise);
+    MarkFloored(channel, Noise(channel));
+    out |= broken;
+  }
+  return out;
+}
+
+}  // namespace turnlight::estimator
