@@ -233,7 +233,8 @@ void FillEstimate(const Observations& all, const Refined& refined, Estimate& out
   const Solution& solution = refined.solution;
   const auto order = StrengthOrder(solution.scene, all);
   const Reported reported = Report(solution.scene, all, order);
-  const Uncertainties sigmas = EstimateUncertainty(solution, all, order, refined.options);
+  const Uncertainties sigmas =
+      EstimateUncertainty(solution, all, order, refined.options, refined.splits);
   const Uncertainty& sigma = sigmas.total;
   out.stat = sigmas.stat;
   out.reflectance = reported.reflectance;

@@ -52,7 +52,7 @@ double Rms(const Observations& all, const Solution& solution) {
 
 constexpr int kRounds = 3;  // of footprints and shadows
 
-// Solves on from the scene and with the options of `out`.
+// Solves on from the scene and with the options of `out`; its splits are then out of date.
 void SolveOn(const Observations& observations, Refined& out) {
   out.solution = SolveSettled(observations, out.solution.scene, out.options, kRounds,
                               out.solution.evaluate.shadows);
@@ -85,7 +85,7 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   const auto order = StrengthOrder(scene, observations);
   // The statistical sigma: a highlight that the model describes badly is a highlight nevertheless.
   const Uncertainty sigma =
-      EstimateUncertainty(out.solution, observations, order, out.options).stat;
+      EstimateUncertainty(out.solution, observations, order, out.options, out.splits).stat;
   const Reported reported = Report(scene, observations, order);
   // The highlight as it is at the target, wherever W's origin is.
   double strongest = 0.0;
@@ -107,6 +107,7 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   out.solution.scene.reflectance.specular_model = SpecularModel::kNone;
   out.solution.scene.reflectance.specular = 0.0;
   SolveOn(observations, out);
+  out.splits = SplitResiduals(observations, out.solution);
 }
 
 // A light is near if its inverse distance about the reference, in 1/R, says so.
@@ -115,7 +116,7 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
   std::vector<std::size_t> own_order(lights);
   for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
   const Uncertainty sigma =
-      EstimateUncertainty(out.solution, observations, own_order, out.options).total;
+      EstimateUncertainty(out.solution, observations, own_order, out.options, out.splits).total;
   const Reported reported = Report(out.solution.scene, observations, own_order);
   out.near.assign(lights, false);
   bool refit = false;
@@ -141,6 +142,7 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
       out.solution.scene.lights[l].inverse_distance = 0.0;
     }
   SolveOn(observations, out);
+  out.splits = SplitResiduals(observations, out.solution);
 }
 
 bool Rough(const Candidate& candidate) {
@@ -251,6 +253,7 @@ Refined Refine(const Observations& observations, const Scene& start, double nois
   out.solution.scene = start;
   SolveOn(observations, out);
   ChooseLoss(observations, noise, out, ladder);
+  out.splits = SplitResiduals(observations, out.solution);
   ChooseSpecular(observations, out, ladder);
   ChooseDistances(observations, out, ladder);
   return out;

@@ -7,6 +7,7 @@
 
 #include "estimator/initial_values.h"
 #include "estimator/observations.h"
+#include "estimator/residual_splits.h"
 #include "estimator/solver.h"
 
 namespace turnlight::estimator {
@@ -42,6 +43,7 @@ struct Refined {
   double specular_sigma = 0.0;  // of k_s, if it was found not to matter
   std::vector<double> cost_history;
   int iterations = 0;
+  ResidualSplits splits;  // of the solution
 };
 Refined Refine(const Observations& observations, const Scene& start, double noise,
                const SolveOptions& options, std::vector<Rung>& ladder);

@@ -15,6 +15,9 @@ float Grey(const std::vector<std::vector<float>>& model, std::size_t i) {
   return sum;
 }
 
+constexpr double kNearEdge = 4.0;      // half footprints
+constexpr double kHardlyRough = 1e-3;  // radians
+
 // The gradient of the observations whose value is below the median over all that are used.
 Eigen::VectorXd GradientOfLower(const Observations& all, const Solution& solution,
                                 const std::function<float(std::size_t)>& value) {
@@ -37,6 +40,27 @@ Eigen::VectorXd GradientOfLower(const Observations& all, const Solution& solutio
   return Evaluate(all, solution.scene, options).gradient;
 }
 
+// Of the observations that are used, those near an attached shadow's edge.
+NormalEquations EdgesAlone(const Observations& all, const Solution& solution) {
+  const Plane& usable = solution.evaluate.shadows.usable;
+  const Plane away = AwayFromTerminators(all, solution.scene.lights, kNearEdge);
+  auto edges = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (*edges)[i] = (*away)[i] == 0 && (!usable || (*usable)[i] != 0) ? 1 : 0;
+  EvaluateOptions options = solution.evaluate;
+  options.shadows.usable = std::move(edges);
+  return Evaluate(all, solution.scene, options);
+}
+
+NormalEquations WithAlternatives(const Observations& all, const Solution& solution) {
+  Scene scene = solution.scene;
+  if (scene.reflectance.diffuse_model == DiffuseModel::kLambert) {
+    scene.reflectance.diffuse_model = DiffuseModel::kOrenNayar;
+    scene.reflectance.roughness = kHardlyRough;
+  }
+  return Evaluate(all, scene, solution.evaluate);
+}
+
 }  // namespace
 
 ResidualSplits SplitResiduals(const Observations& all, const Solution& solution) {
@@ -56,8 +80,8 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
   };
   if (views > 1) {
     out.halves.push_back(of_views([](std::size_t k) { return k % 2 == 0; }));
-    out.halves.push_back(of_views([&](std::size_t k) { return 2 * k < views; }));
   }
+  if (views > 2) out.halves.push_back(of_views([&](std::size_t k) { return 2 * k < views; }));
   const auto dot = [&](std::size_t i) {
     return all.normal[0][i] * all.mirrored[0][i] + all.normal[1][i] * all.mirrored[1][i] +
            all.normal[2][i] * all.mirrored[2][i];
@@ -74,8 +98,11 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
   EvaluateOptions finer = solution.evaluate;
   finer.gradient_only = true;
   for (std::uint8_t& samples : finer.samples_per_side)
-    samples = static_cast<std::uint8_t>(std::min(2 * samples, kernel::kMaxSamples));
+    samples =
+        static_cast<std::uint8_t>(2 * samples <= kernel::kMaxSamples ? 2 * samples : samples / 2);
   out.finer = Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
+  out.edges = EdgesAlone(all, solution);
+  out.alternatives = WithAlternatives(all, solution);
   return out;
 }
 

@@ -20,8 +20,13 @@ struct ResidualSplits {
   // and even views, early and late views, centre and rim of the target, bright and dark, and by the
   // side to which the surface faces.
   std::vector<Eigen::VectorXd> halves;
-  // The gradient that appears when footprints are sampled twice as finely.
+  // What appears when footprints are sampled twice as finely (half as finely where that is not
+  // possible).
   Eigen::VectorXd finer;
+  // What the pixels near an attached shadow's edge contribute to the solution's normal equations.
+  NormalEquations edges;
+  // At the solution, for a surface just rough enough to have a slope (if it is Lambert's).
+  NormalEquations alternatives;
 };
 
 ResidualSplits SplitResiduals(const Observations& observations, const Solution& solution);

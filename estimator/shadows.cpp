@@ -65,7 +65,7 @@ double Change(const std::array<std::vector<BFloat16>, 6>& footprint, int first, 
 // Marks every pixel through which the edge of an attached shadow runs: the mean of a clamped cosine
 // is not the cosine clamped. With w = 2 (n.v) n - v the normal turns by at most |dw| / (2 n.v).
 void MarkTerminators(const Observations& all, const std::vector<Light>& lights,
-                     std::vector<std::uint8_t>& usable) {
+                     double half_footprints, std::vector<std::uint8_t>& usable) {
   ParallelFor((all.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     const std::size_t end = std::min(all.size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
@@ -73,7 +73,7 @@ void MarkTerminators(const Observations& all, const std::vector<Light>& lights,
       const Vector3d x = At(all.position, i), n = At(all.normal, i);
       const double turn = (Change(all.footprint, 0, i) + Change(all.footprint, 3, i)) /
                           (2.0 * std::max(n.dot(At(all.mirrored, i)), 0.05));
-      const double margin = 0.5 * kEdgeMargin * turn;
+      const double margin = 0.5 * half_footprints * turn;
       for (const Light& light : lights) {
         const Vector3d to_light = light.direction - light.inverse_distance * x;
         if (std::abs(n.dot(to_light)) < margin * to_light.norm()) usable[i] = 0;
@@ -139,7 +139,7 @@ Shadows CastShadows(const Observations& all, const Scene& scene, const Shadows& 
   }
   if (!all.subsampled) {
     auto usable = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{1});
-    MarkTerminators(all, out.lights, *usable);
+    MarkTerminators(all, out.lights, kEdgeMargin, *usable);
     if (all.caster != nullptr)
       ParallelFor(all.tile_begin.size() - 1,
                   [&](std::size_t k) { MarkCastEdges(all, k, out, *usable); });
@@ -148,6 +148,13 @@ Shadows CastShadows(const Observations& all, const Scene& scene, const Shadows& 
     out.usable = std::move(usable);
   }
   return out;
+}
+
+Plane AwayFromTerminators(const Observations& all, const std::vector<Light>& lights,
+                          double margin) {
+  auto away = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{1});
+  MarkTerminators(all, lights, margin, *away);
+  return away;
 }
 
 bool SameShadows(const Shadows& a, const Shadows& b) {

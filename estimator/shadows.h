@@ -33,6 +33,10 @@ struct Shadows {
 Shadows CastShadows(const Observations& observations, const Scene& scene,
                     const Shadows& previous = {}, double tolerance = 0.0);
 
+// Which observations have no attached shadow's edge near: within `margin` half footprints.
+Plane AwayFromTerminators(const Observations& observations, const std::vector<Light>& lights,
+                          double margin);
+
 // Whether two casts make the same model of the pictures.
 bool SameShadows(const Shadows& a, const Shadows& b);
 

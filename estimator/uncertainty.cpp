@@ -1,5 +1,6 @@
 #include "estimator/uncertainty.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,7 @@ constexpr double kNullShare = 1e-11;
 constexpr double kWeakShare = 1e-7;
 // Halves share some of the model's errors, which their difference does not show.
 constexpr double kCommon = 2.0;
+constexpr double kAlternativeSigmas = 2.0;
 constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
 
 // The columns that count as unknowns.
@@ -184,42 +186,110 @@ struct Parts {
   Eigen::MatrixXd stat, model;
 };
 
-Parts PartsOf(const Solution& solution, const Observations& observations,
+// What makes sigmas of gradients.
+struct Scales {
+  const Covariance& covariance;
+  const Eigen::MatrixXd& jacobian;
+  Eigen::MatrixXd inverse;  // H^-1 of the unknowns
+  double together = 1.0;    // how much larger than white noise the residuals' sums are
+};
+
+void AddShift(const Eigen::VectorXd& shift, Eigen::MatrixXd& model) {
+  model += shift * shift.transpose();
+}
+
+// Half the difference of two halves, as far as it is more than noise.
+void AddHalf(const Eigen::VectorXd& gradient, const Scales& scales, Parts& out) {
+  const double count = static_cast<double>(gradient.size());
+  const double chi =
+      gradient.dot(scales.inverse * gradient) / (scales.covariance.variance * scales.together);
+  const double expected = count + kJointSigmas * std::sqrt(2.0 * count);
+  const double all = chi > expected ? 1.0 - expected / chi : 0.0;
+  Eigen::VectorXd shift = scales.jacobian * (scales.inverse * gradient);
+  for (Eigen::Index q = 0; q < shift.size(); ++q) {
+    const double noise = kOwnSigmas * kOwnSigmas * out.stat(q, q);
+    const double square = shift[q] * shift[q];
+    shift[q] *= kCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
+  }
+  AddShift(shift, out.model);
+}
+
+// What leaving out the pixels near edges changes, as far as it is more than noise.
+void AddEdges(const NormalEquations& all, const NormalEquations& edges, const Scales& scales,
+              Parts& out) {
+  const std::vector<int>& unknowns = scales.covariance.unknowns;
+  const Eigen::MatrixXd rest = (all.hessian - edges.hessian)(unknowns, unknowns);
+  const Eigen::VectorXd scale = rest.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> factors(scale.asDiagonal() * rest * scale.asDiagonal());
+  if (factors.info() != Eigen::Success) return;  // without them some things are not determined
+  const Eigen::VectorXd gradient = scale.asDiagonal() * edges.gradient(unknowns);
+  Eigen::VectorXd shift = scales.jacobian * (scale.asDiagonal() * factors.solve(gradient));
+  for (Eigen::Index q = 0; q < shift.size(); ++q) {
+    const double square = std::max(shift[q] * shift[q], 1e-300);
+    shift[q] *= std::sqrt(std::max(1.0 - out.stat(q, q) / square, 0.0));
+  }
+  AddShift(shift, out.model);
+}
+
+// What the unknowns would change by if one more column, which has a lower bound of 0 and is there,
+// were free: as far as the data ask for it.
+void AddAlternative(const NormalEquations& equations, int column, const Scales& scales,
+                    Parts& out) {
+  const std::vector<int>& unknowns = scales.covariance.unknowns;
+  const Eigen::VectorXd mixed = equations.hessian(unknowns, column);
+  const Eigen::VectorXd follow = scales.inverse * mixed;
+  const double curvature = equations.hessian(column, column) - mixed.dot(follow);
+  const double slope = equations.gradient[column] - follow.dot(equations.gradient(unknowns));
+  // Negative: it would want to go below its bound.
+  if (!(slope < 0.0) || !(curvature > 1e-9 * equations.hessian(column, column))) return;
+  const double significance =
+      slope * slope / curvature / (scales.covariance.variance * scales.together);
+  const double noise = kAlternativeSigmas * kAlternativeSigmas;
+  if (significance <= noise) return;
+  AddShift(std::sqrt(1.0 - noise / significance) * slope / curvature * (scales.jacobian * follow),
+           out.model);
+}
+
+void AddAlternatives(const NormalEquations& equations, const Columns& columns,
+                     const Reflectance& reflectance, const Scales& scales, Parts& out) {
+  if (reflectance.diffuse_model == DiffuseModel::kLambert)
+    AddAlternative(equations, columns.RoughnessSquared(), scales, out);
+  const std::vector<int>& unknowns = scales.covariance.unknowns;
+  for (int l = 0; l < columns.lights; ++l)
+    if (std::find(unknowns.begin(), unknowns.end(), columns.InverseDistance(l)) == unknowns.end())
+      AddAlternative(equations, columns.InverseDistance(l), scales, out);
+}
+
+// Clustered: where the residuals of neighbours go together, variances are larger.
+void AllowForClusters(const Eigen::MatrixXd& outer, const Scales& scales, Parts& out) {
+  const Eigen::MatrixXd carried = scales.jacobian * scales.inverse;
+  const Eigen::VectorXd sandwich = (carried * outer * carried.transpose()).diagonal();
+  const Eigen::VectorXd more =
+      (sandwich.array() / out.stat.diagonal().array().max(1e-300)).max(1.0).sqrt();
+  out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
+}
+
+Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSplits& splits,
               const Covariance& covariance, const Eigen::MatrixXd& jacobian, double redundancy) {
   Parts out;
   out.stat = jacobian * covariance.matrix * jacobian.transpose();
   out.model = Eigen::MatrixXd::Zero(out.stat.rows(), out.stat.cols());
   const std::vector<int>& unknowns = covariance.unknowns;
   if (unknowns.empty() || !(covariance.variance > 0.0)) return out;
-  const ResidualSplits splits = SplitResiduals(observations, solution);
-  const Eigen::MatrixXd inverse = covariance.matrix / covariance.variance;
+  Scales scales{covariance, jacobian, covariance.matrix / covariance.variance};
   const double clusters = static_cast<double>(splits.cluster_count);
   const Eigen::MatrixXd outer =
       splits.clusters(unknowns, unknowns) * (redundancy * clusters / std::max(clusters - 1.0, 1.0));
-  const Eigen::MatrixXd carried = jacobian * inverse;
-  const Eigen::VectorXd sandwich = (carried * outer * carried.transpose()).diagonal();
-  const Eigen::VectorXd more =
-      (sandwich.array() / out.stat.diagonal().array().max(1e-300)).max(1.0).sqrt();
-  out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
-
+  AllowForClusters(outer, scales, out);
   const double count = static_cast<double>(unknowns.size());
-  const double together = std::max((inverse * outer).trace() / (count * covariance.variance), 1.0);
+  scales.together = std::max((scales.inverse * outer).trace() / (count * covariance.variance), 1.0);
+
   const Eigen::VectorXd whole = solution.equations.gradient(unknowns);
-  for (const Eigen::VectorXd& half : splits.halves) {
-    const Eigen::VectorXd gradient = 2.0 * half(unknowns) - whole;
-    const double chi = gradient.dot(inverse * gradient) / (covariance.variance * together);
-    const double expected = count + kJointSigmas * std::sqrt(2.0 * count);
-    const double all = chi > expected ? 1.0 - expected / chi : 0.0;
-    Eigen::VectorXd shift = carried * gradient;
-    for (Eigen::Index q = 0; q < shift.size(); ++q) {
-      const double noise = kOwnSigmas * kOwnSigmas * out.stat(q, q);
-      const double square = shift[q] * shift[q];
-      shift[q] *= kCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
-    }
-    out.model += shift * shift.transpose();
-  }
-  const Eigen::VectorXd finer = carried * splits.finer(unknowns);
-  out.model += finer * finer.transpose();
+  for (const Eigen::VectorXd& half : splits.halves)
+    AddHalf(2.0 * half(unknowns) - whole, scales, out);
+  AddEdges(solution.equations, splits.edges, scales, out);
+  AddShift(jacobian * (scales.inverse * splits.finer(unknowns)), out.model);
+  AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, scales, out);
   return out;
 }
 
@@ -298,12 +368,12 @@ Reported Report(const Scene& solver_scene, const Observations& observations,
 
 Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,
                                   const std::vector<std::size_t>& order,
-                                  const SolveOptions& options) {
+                                  const SolveOptions& options, const ResidualSplits& splits) {
   const Columns columns{observations.channels, static_cast<int>(solution.scene.lights.size())};
   const Covariance covariance = Invert(solution, observations, columns, options);
   const Carried carried = CarryOver(solution, observations, order, columns, covariance);
   const Parts parts =
-      PartsOf(solution, observations, covariance, carried.jacobian, options.redundancy);
+      PartsOf(solution, columns, splits, covariance, carried.jacobian, options.redundancy);
   Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
                     Unflatten(parts.stat, carried.unknown, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
