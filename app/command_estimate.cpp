@@ -2,8 +2,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/command.h"
+#include "app/model_option.h"
 #include "app/session_estimate.h"
 
 namespace turnlight::app {
@@ -13,6 +15,7 @@ struct EstimateArguments {
   std::string session;
   std::string out;
   SessionEstimateOptions options;
+  std::vector<std::string> model;
   bool no_pictures = false;
   bool json = false;
 };
@@ -20,6 +23,9 @@ struct EstimateArguments {
 int Estimate(const EstimateArguments& arguments) {
   SessionEstimateOptions options = arguments.options;
   options.pictures = !arguments.no_pictures;
+  for (const std::string& option : arguments.model)
+    if (const Status status = ApplyModelOption(option, options.model); !status)
+      return Fail(status.error());
   const auto done = EstimateSession(arguments.session, arguments.out, options);
   if (!done) return Fail(done.error());
   std::cout << (arguments.json ? done->json : done->summary) << std::flush;
@@ -59,6 +65,11 @@ void AddEstimate(CLI::App& program, Action& action) {
       ->add_option("--initial", arguments->options.initial,
                    "Start from the lights of a truth.json or result.json")
       ->type_name("FILE");
+  command
+      ->add_option("--model", arguments->model,
+                   "Decide what the data otherwise decide: lights=N, diffuse=lambert|oren-nayar, "
+                   "specular=none|phong|blinn-phong, lights-are=near|distant; may be repeated")
+      ->type_name("KEY=VALUE");
   command->add_flag("--no-pictures", arguments->no_pictures, "Write result.json only");
   command->add_flag("--json", arguments->json,
                     "Print result.json on standard output and nothing else there");

@@ -81,6 +81,13 @@ Status CheckMethod(const SessionEstimateOptions& given) {
   if (paper && !given.initial.empty())
     return InputError(
         "--initial: not with --method paper, which takes its start from the pictures");
+  const estimator::ModelChoice& model = given.model;
+  if (paper && (model.lights || model.diffuse || model.specular || model.near))
+    return InputError(
+        "--model: not with --method paper, whose model is fixed: Lambert, Phong, near lights");
+  if (model.lights && !given.initial.empty())
+    return InputError("--model lights=" + std::to_string(*model.lights) +
+                      ": not with --initial, whose lights are taken");
   if (!paper && given.ceiling_distance_m)
     return InputError("--ceiling-distance: with --method paper only; " + given.method +
                       " finds distances from the pictures");
@@ -104,6 +111,7 @@ Result<estimator::PaperOptions> MakePaperOptions(const SessionEstimateOptions& g
 Result<estimator::EstimateOptions> MakeOptions(const SessionEstimateOptions& given) {
   if (const Status status = CheckMethod(given); !status) return Forward(status);
   estimator::EstimateOptions options;
+  options.model = given.model;
   if (given.initial.empty()) return options;
   auto guess = rig::ReadInitialGuess(given.initial);
   if (!guess) return Forward(guess);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "estimator/model_choice.h"
 
 namespace turnlight::app {
 
@@ -18,6 +19,7 @@ struct SessionEstimateOptions {
   std::string initial;                       // a truth.json or result.json; empty: none
   std::string method = "lm";                 // or "paper"
   std::optional<double> ceiling_distance_m;  // of "paper" only; metres
+  estimator::ModelChoice model;              // of "lm" only
   bool pictures = true;
 };
 

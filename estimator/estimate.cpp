@@ -7,8 +7,8 @@
 
 #include "base/angles.h"
 #include "base/format.h"
+#include "estimator/find_lights.h"
 #include "estimator/paper_estimate.h"
-#include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
 namespace turnlight::estimator {
@@ -59,42 +59,6 @@ double Brightest(const Observations& all) {
       values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * 0.999);
   std::nth_element(values.begin(), at, values.end());
   return static_cast<double>(*at);
-}
-
-// A user's guess as a start in the observations' coordinates, fitted on the sample.
-Scene StartFromGuess(const Observations& sample, const InitialGuess& guess) {
-  Scene world;
-  world.lights = guess.lights;
-  const Scene given = ToSolver(world, sample);
-  std::vector<Eigen::Vector3d> directions;
-  for (const Light& light : given.lights) directions.push_back(light.direction);
-  Scene start = StartFromDirections(sample, directions);
-  double total = 0.0;
-  for (const Light& light : given.lights) total += light.intensity;
-  for (std::size_t l = 0; l < start.lights.size(); ++l) {
-    if (guess.lights[l].inverse_distance > 0.0)
-      start.lights[l].inverse_distance = given.lights[l].inverse_distance;
-    if (guess.has_intensities && total > 0.0)
-      start.lights[l].intensity *=
-          given.lights[l].intensity / total * static_cast<double>(start.lights.size());
-  }
-  if (guess.reflectance) {
-    start.reflectance.specular_model = guess.reflectance->specular_model;
-    start.reflectance.shininess = guess.reflectance->shininess;
-    start.reflectance.diffuse_model = guess.reflectance->diffuse_model;
-    start.reflectance.roughness = guess.reflectance->roughness;
-  }
-  SolveOptions options;
-  options.gauge = Gauge::kDiffuse;
-  options.max_iterations = 40;
-  options.function_tolerance = 1e-6;
-  // Strengths first, with the geometry and the lobe's width as given; then everything.
-  SolveOptions linear = options;
-  linear.max_iterations = 15;
-  linear.free_directions = false;
-  linear.fixed_distance.assign(start.lights.size(), true);
-  const Solution first = SolveSettled(sample, start, linear, 1);
-  return SolveSettled(sample, first.scene, options, 1, first.evaluate.shadows).scene;
 }
 
 // Views whose pictures differ by more than noise from every earlier distinct one.
@@ -284,17 +248,18 @@ Scene FindStart(const Observations& all, const EstimateOptions& options, double 
                 const IntensityMap& map, Estimate& estimate) {
   if (options.warm_start) return ToSolver(*options.warm_start, all);
   const double more = std::clamp(std::pow(noise / kSampledNoise, 2), 1.0, kMostSamples);
-  const Observations sample = Subsample(all, static_cast<std::size_t>(kSampleSize * more), 1);
-  if (options.initial) {
-    estimate.ladder.push_back(
-        {"lights", true,
-         std::to_string(options.initial->lights.size()) + " lights as given by --initial"});
-    return StartFromGuess(sample, *options.initial);
-  }
+  const Sample sample{Subsample(all, static_cast<std::size_t>(kSampleSize * more), 1), noise,
+                      options.model};
   const auto clusters =
       LeaderClustering(HighIntensityArea(map, kHighShare), DegToRad(kClusterRadiusDeg));
-  Candidate candidate = FindLights(sample, clusters, noise, estimate.ladder);
-  candidate = ChooseDiffuse(sample, candidate, noise, estimate.ladder);
+  Candidate candidate;
+  if (options.initial) {
+    candidate = FitGuess(sample, *options.initial, clusters, estimate.ladder);
+  } else {
+    candidate = FindLights(sample, clusters, estimate.ladder);
+    candidate = ChooseDiffuse(sample, candidate, estimate.ladder);
+    candidate = ChooseLobe(sample, candidate, estimate.ladder);
+  }
   for (const double rms : candidate.rms_history)
     estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});
   return candidate.scene;
@@ -410,7 +375,7 @@ Result<Estimate> EstimateObservations(const Observations& all,
   solve.max_iterations = options.max_iterations;
   if (estimate.distinct_views > 0)
     solve.redundancy = static_cast<double>(estimate.views) / estimate.distinct_views;
-  Refined result = Refine(all, start, noise, solve, estimate.ladder);
+  Refined result = Refine(all, start, noise, solve, options.model, estimate.ladder);
   FillEstimate(all, result, estimate);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   AddNotes(estimate);

@@ -10,8 +10,10 @@
 #include "base/result.h"
 #include "calib/camera_model.h"
 #include "estimator/geometry.h"
+#include "estimator/initial_guess.h"
 #include "estimator/intensity_map.h"
 #include "estimator/keyframe.h"
+#include "estimator/model_choice.h"
 #include "estimator/model_selection.h"
 #include "estimator/paper_method.h"
 #include "estimator/scene.h"
@@ -19,18 +21,12 @@
 
 namespace turnlight::estimator {
 
-// A start given by the user: directions are required, everything else is estimated where absent.
-struct InitialGuess {
-  std::vector<Light> lights;  // an inverse distance of 0 means "not given"
-  bool has_intensities = false;
-  std::optional<Reflectance> reflectance;
-};
-
 struct EstimateOptions {
   std::optional<InitialGuess> initial;
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<Scene> warm_start;
   int max_iterations = 100;  // of each full solve
+  ModelChoice model;         // with a start or without
   // Given: the published method instead; everything above is ignored.
   std::optional<PaperOptions> paper;
 };

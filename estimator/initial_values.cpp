@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "base/angles.h"
 #include "estimator/settled_solve.h"
@@ -22,8 +23,8 @@ double ExcessFloor(double noise) {
   return kExcessFloor * kExcessFloor + kNoiseFloor * noise * noise;
 }
 
-double ValuesIn(const Observations& sample) {
-  return static_cast<double>(sample.used) * sample.channels;
+double ValuesIn(const Observations& pixels) {
+  return static_cast<double>(pixels.used) * pixels.channels;
 }
 
 double Median(std::vector<float>& values) {
@@ -44,15 +45,19 @@ std::vector<float> Values(const Observations& all, int channel) {
 // What a fit is for: to be compared with others, which differ by factors, or to be gone on from.
 constexpr double kToCompare = 2e-4, kToKeep = 1e-6;  // tolerance
 
-Solution SolveStart(const Observations& sample, const Candidate& start, int iterations,
+Solution SolveStart(const Sample& sample, const Candidate& start, int iterations,
                     bool free_geometry, double tolerance) {
   SolveOptions options;
   options.max_iterations = iterations;
   options.function_tolerance = tolerance;
   options.gauge = Gauge::kDiffuse;
   options.free_directions = free_geometry;
-  if (!free_geometry) options.fixed_distance.assign(start.scene.lights.size(), true);
-  return SolveSettled(sample, start.scene, options, 1, start.shadows);
+  const bool distant = sample.choice.near == false;
+  if (!free_geometry || distant) options.fixed_distance.assign(start.scene.lights.size(), true);
+  Scene scene = start.scene;
+  if (distant)
+    for (Light& light : scene.lights) light.inverse_distance = 0.0;
+  return SolveSettled(sample.pixels, scene, options, 1, start.shadows);
 }
 
 // Two lights as one: intensities add, the rest is their weighted mean.
@@ -72,15 +77,18 @@ double MergeAngle(const Reflectance& r) {
   return std::min(0.6 * LobeHalfWidth(r.shininess), DegToRad(kMergeLimitDeg));
 }
 
-// Merges the closest pair within the angle and removes the negligible. False if nothing changed.
-bool MergeAndPrune(Scene& scene) {
+// Merges the closest pair within the angle and removes the negligible, down to `least` lights.
+// False if nothing changed.
+bool MergeAndPrune(Scene& scene, std::size_t least) {
   std::vector<Light>& lights = scene.lights;
   const std::size_t before = lights.size();
   double total = 0.0;
   for (const Light& light : lights) total += light.intensity;
-  std::erase_if(lights, [&](const Light& l) { return l.intensity < kNegligibleShare * total; });
+  std::erase_if(lights, [&](const Light& l) {
+    return lights.size() > least && l.intensity < kNegligibleShare * total;
+  });
   const double cosine = std::cos(MergeAngle(scene.reflectance));
-  for (bool merged = true; merged;) {
+  for (bool merged = true; merged && lights.size() > least;) {
     merged = false;
     std::size_t a = 0, b = 0;
     double closest = cosine;
@@ -100,40 +108,40 @@ bool MergeAndPrune(Scene& scene) {
 }
 
 // Appends a solve's costs, as root mean squares, to what went before.
-void AppendHistory(const Observations& sample, const Solution& solution,
+void AppendHistory(const Observations& pixels, const Solution& solution,
                    std::vector<double>& history) {
-  const double values = ValuesIn(sample);
+  const double values = ValuesIn(pixels);
   for (std::size_t i = history.empty() ? 0 : 1; i < solution.cost_history.size(); ++i)
     history.push_back(std::sqrt(2.0 * solution.cost_history[i] / values));
 }
 
-Candidate Refit(const Observations& sample, const Candidate& start, int iterations, double noise,
+Candidate Refit(const Sample& sample, const Candidate& start, int iterations, double noise,
                 double tolerance) {
   Solution solution = SolveStart(sample, start, iterations, true, tolerance);
-  const double mean_square = 2.0 * solution.equations.cost / ValuesIn(sample);
+  const double mean_square = 2.0 * solution.equations.cost / ValuesIn(sample.pixels);
   Candidate out{std::move(solution.scene), std::move(solution.evaluate.shadows), mean_square,
                 ExcessVariance(mean_square, noise), start.rms_history};
-  AppendHistory(sample, solution, out.rms_history);
+  AppendHistory(sample.pixels, solution, out.rms_history);
   return out;
 }
 
 // The best fit without one of the weakest four lights; the first that is hardly missed will do.
-Candidate BestWithoutOne(const Observations& sample, const Candidate& full, double noise) {
+Candidate BestWithoutOne(const Sample& sample, const Candidate& full, double noise) {
   std::vector<std::size_t> order(full.scene.lights.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return full.scene.lights[a].intensity < full.scene.lights[b].intensity;
   });
   order.resize(std::min<std::size_t>(order.size(), 4));
-  Candidate best;
+  std::optional<Candidate> best;
   for (const std::size_t index : order) {
     Candidate start = full;
     start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
     Candidate candidate = Refit(sample, start, 20, noise, kToCompare);
-    if (best.scene.lights.empty() || candidate.excess < best.excess) best = std::move(candidate);
-    if (best.excess <= kHardlyMissed * full.excess) break;
+    if (!best || candidate.excess < best->excess) best = std::move(candidate);
+    if (best->excess <= kHardlyMissed * full.excess) break;
   }
-  return best;
+  return std::move(*best);
 }
 
 }  // namespace
@@ -202,42 +210,48 @@ double ExcessVariance(double mean_square, double noise) {
   return std::max(mean_square - noise * noise, 0.0) + ExcessFloor(noise);
 }
 
-bool NothingLeft(double excess, const Observations& observations, double noise) {
-  const double spread = noise * noise * std::sqrt(2.0 / ValuesIn(observations));
-  return excess <= 1.5 * ExcessFloor(noise) + 4.0 * spread;
+bool NothingLeft(double excess, const Sample& sample) {
+  const double spread = sample.noise * sample.noise * std::sqrt(2.0 / ValuesIn(sample.pixels));
+  return excess <= 1.5 * ExcessFloor(sample.noise) + 4.0 * spread;
 }
 
-Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise) {
+Candidate FitStart(const Sample& sample, const Scene& start) {
   Candidate best;
   best.scene = start;
   const Solution linear = SolveStart(sample, best, 15, false, kToCompare);
-  AppendHistory(sample, linear, best.rms_history);
+  AppendHistory(sample.pixels, linear, best.rms_history);
   best.scene = linear.scene;
   best.shadows = linear.evaluate.shadows;
-  best = Refit(sample, best, 40, noise, kToCompare);
+  return Refit(sample, best, 40, sample.noise, kToCompare);
+}
+
+Candidate FitAndMerge(const Sample& sample, const Scene& start) {
+  Candidate best = FitStart(sample, start);
+  const auto least = static_cast<std::size_t>(sample.choice.lights.value_or(1));
   for (int round = 0; round < 6; ++round) {
     Candidate merged = best;
-    if (!MergeAndPrune(merged.scene) || merged.scene.lights.empty()) break;
-    best = Refit(sample, merged, 20, noise, kToCompare);
+    if (!MergeAndPrune(merged.scene, least) || merged.scene.lights.empty()) break;
+    best = Refit(sample, merged, 20, sample.noise, kToCompare);
   }
   return best;
 }
 
-Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise) {
-  return Eliminate(sample, FitAndMerge(sample, start, noise), noise);
+Candidate FitAndEliminate(const Sample& sample, const Scene& start) {
+  return Eliminate(sample, FitAndMerge(sample, start));
 }
 
-Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise) {
-  Candidate best = Refit(sample, fitted, 40, noise, kToKeep);
+Candidate Eliminate(const Sample& sample, const Candidate& fitted) {
+  Candidate best = Refit(sample, fitted, 40, sample.noise, kToKeep);
   // With lights to spare what is left is noise; a larger estimate of it would hide lights.
-  const double least = std::min(noise, std::sqrt(best.mean_square));
+  const double least = std::min(sample.noise, std::sqrt(best.mean_square));
   best.excess = ExcessVariance(best.mean_square, least);
-  while (best.scene.lights.size() > 1) {
+  const auto wanted = static_cast<std::size_t>(sample.choice.lights.value_or(0));
+  while (best.scene.lights.size() > wanted) {
     Candidate fewer = BestWithoutOne(sample, best, least);
-    if (fewer.excess >= kEliminationRatio * best.excess) break;
+    if (!sample.choice.lights && fewer.excess >= kEliminationRatio * best.excess) break;
     best = std::move(fewer);
   }
-  return Refit(sample, best, 40, noise, kToKeep);
+  return Refit(sample, best, 40, sample.noise, kToKeep);
 }
 
 }  // namespace turnlight::estimator

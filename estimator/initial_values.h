@@ -1,14 +1,22 @@
 // Where a solve starts, and which lights it starts with.
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "estimator/intensity_map.h"
+#include "estimator/model_choice.h"
 #include "estimator/observations.h"
 #include "estimator/scene.h"
 #include "estimator/shadows.h"
 
 namespace turnlight::estimator {
+
+// What a start is looked for on.
+struct Sample {
+  Observations pixels;
+  double noise = 0.0;  // sigma of a value
+  ModelChoice choice;
+};
 
 // Standard deviation of the pixels' noise, in radiance: the median absolute second difference along
 // rows, which smooth shading hardly moves. An upper bound where texture or highlights rule.
@@ -27,8 +35,8 @@ Scene StartFromDirections(const Observations& observations,
 
 // Fits from a start with perhaps too many lights, then merges lights that are closer than their
 // lobe can tell apart, removes the negligible, and eliminates backwards every light without which
-// the excess variance (over noise^2) is less than three times as large. See docs/design.md,
-// "Starts".
+// the excess variance (over noise^2) is less than three times as large; all of them, if there are
+// no lights. With sample.choice.lights it stops at so many instead. See docs/design.md, "Starts".
 struct Candidate {
   Scene scene;                      // in the observations' coordinates
   Shadows shadows;                  // that it was fitted with
@@ -36,11 +44,13 @@ struct Candidate {
   double excess = 0.0;              // of it what is above the noise, with a floor
   std::vector<double> rms_history;  // on the sample: the start, and after each iteration since
 };
-Candidate FitAndEliminate(const Observations& sample, const Scene& start, double noise);
+Candidate FitAndEliminate(const Sample& sample, const Scene& start);
 
-// Its parts: all but the elimination, and the elimination from what is already a fit.
-Candidate FitAndMerge(const Observations& sample, const Scene& start, double noise);
-Candidate Eliminate(const Observations& sample, const Candidate& fitted, double noise);
+// Its parts: a fit of a start, strengths first and then everything; all but the elimination; and
+// the elimination from what is already a fit.
+Candidate FitStart(const Sample& sample, const Scene& start);
+Candidate FitAndMerge(const Sample& sample, const Scene& start);
+Candidate Eliminate(const Sample& sample, const Candidate& fitted);
 
 // What of a residual variance is above noise^2, with a floor that stands for what the model cannot
 // describe anyway and for what the noise's estimate is off.
@@ -48,6 +58,6 @@ double ExcessVariance(double mean_square, double noise);
 
 // Whether an excess variance is no more than its floor and the statistical uncertainty of the
 // noise: no other model can explain more.
-bool NothingLeft(double excess, const Observations& observations, double noise);
+bool NothingLeft(double excess, const Sample& sample);
 
 }  // namespace turnlight::estimator

@@ -34,7 +34,7 @@ struct Gain {
 };
 
 // The directions in batches of as many as a scene holds.
-std::vector<Gain> Gains(const Observations& sample, const Candidate& candidate) {
+std::vector<Gain> Gains(const Observations& pixels, const Candidate& candidate) {
   const std::vector<Eigen::Vector3d> directions = SphereDirections(kDirections);
   const std::size_t known = candidate.scene.lights.size();
   const std::size_t batch = kMaxLights - known;
@@ -45,10 +45,10 @@ std::vector<Gain> Gains(const Observations& sample, const Candidate& candidate) 
     for (std::size_t d = begin; d < end; ++d)
       scene.lights.push_back({directions[d], kNewDistance, 0.0, Eigen::Vector3d::Ones()});
     EvaluateOptions options;
-    options.samples_per_side = FootprintSamples(sample, scene.reflectance.shininess);
-    options.shadows = CastShadows(sample, scene, candidate.shadows, 5e-3);
-    const NormalEquations equations = Evaluate(sample, scene, options);
-    const Columns columns{sample.channels, static_cast<int>(scene.lights.size())};
+    options.samples_per_side = FootprintSamples(pixels, scene.reflectance.shininess);
+    options.shadows = CastShadows(pixels, scene, candidate.shadows, 5e-3);
+    const NormalEquations equations = Evaluate(pixels, scene, options);
+    const Columns columns{pixels.channels, static_cast<int>(scene.lights.size())};
     for (std::size_t l = known; l < scene.lights.size(); ++l) {
       const int column = columns.Intensity(static_cast<int>(l));
       const double slope = equations.gradient[column],
@@ -84,25 +84,29 @@ std::vector<Light> Peaks(const std::vector<Gain>& gains, std::size_t room) {
 
 }  // namespace
 
-Candidate AddMissingLights(const Observations& sample, Candidate candidate, double noise) {
+Candidate AddMissingLights(const Sample& sample, Candidate candidate) {
+  const auto wanted = sample.choice.lights;
   Candidate grown = candidate;
   for (int round = 0; round < kMostRounds; ++round) {
     const std::size_t lights = grown.scene.lights.size();
-    if (NothingLeft(grown.excess, sample, noise) || lights >= kMostLights) break;
+    const bool enough =
+        wanted ? lights >= static_cast<std::size_t>(*wanted) : NothingLeft(grown.excess, sample);
+    if (enough || lights >= kMostLights) break;
     Scene start = grown.scene;
-    const std::vector<Light> peaks = Peaks(Gains(sample, grown), kMostLights - lights);
+    const std::vector<Light> peaks = Peaks(Gains(sample.pixels, grown), kMostLights - lights);
     if (peaks.empty()) break;
     start.lights.insert(start.lights.end(), peaks.begin(), peaks.end());
-    Candidate more = FitAndMerge(sample, start, noise);
-    if (more.excess * kWorthGoingOn > grown.excess) break;
+    Candidate more = FitAndMerge(sample, start);
+    if (!wanted && more.excess * kWorthGoingOn > grown.excess) break;
     more.rms_history.insert(more.rms_history.begin(), grown.rms_history.begin(),
                             grown.rms_history.end());
     grown = std::move(more);
   }
-  if (grown.excess * kWorthIt > candidate.excess) return candidate;
+  if (grown.scene.lights.size() == candidate.scene.lights.size()) return candidate;
+  if (!wanted && grown.excess * kWorthIt > candidate.excess) return candidate;
   // Only from a fit that explains the pictures can it be told which lights are needed.
-  grown = Eliminate(sample, grown, noise);
-  return grown.excess * kWorthIt > candidate.excess ? candidate : grown;
+  grown = Eliminate(sample, grown);
+  return !wanted && grown.excess * kWorthIt > candidate.excess ? candidate : grown;
 }
 
 }  // namespace turnlight::estimator

@@ -7,7 +7,8 @@ namespace turnlight::estimator {
 
 // A matched filter: how much a weak light from each of many directions would lower the cost, its
 // peaks added as lights and everything fitted again, as long as that helps; then thinned out.
-// Returns the candidate itself if the excess variance does not get three times smaller.
-Candidate AddMissingLights(const Observations& sample, Candidate candidate, double noise);
+// Returns the candidate itself if the excess variance does not get three times smaller. With
+// sample.choice.lights it goes on to so many, whether they help or not.
+Candidate AddMissingLights(const Sample& sample, Candidate candidate);
 
 }  // namespace turnlight::estimator

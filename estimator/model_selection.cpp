@@ -4,32 +4,17 @@
 #include <cmath>
 
 #include "base/format.h"
-#include "estimator/missing_lights.h"
 #include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
 namespace turnlight::estimator {
 namespace {
 
-constexpr std::size_t kMaxClusters = 12;
-constexpr int kLatticeLights = 24;
-constexpr double kRatioPerLight = 3.0;
-constexpr double kRoughRatio = 1.25;
-constexpr double kFirstRoughness = 0.3;       // radians
 constexpr double kMinSpecularPeak = 0.003;    // of white
 constexpr double kMinInverseDistance = 5e-4;  // rho R
 constexpr double kSignificance = 3.0;
 constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
 constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
-
-Eigen::Vector3d MeanNormal(const Observations& all) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (all.pixel[i] != Observations::kNoPixel)
-      for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(all.normal[k][i]);
-  return sum.norm() > 1e-6 * static_cast<double>(all.used) ? Eigen::Vector3d(sum.normalized())
-                                                           : Eigen::Vector3d::UnitZ();
-}
 
 // The median absolute residual as a sigma.
 double RobustSigma(const Observations& all, const Scene& scene, const EvaluateOptions& options) {
@@ -111,7 +96,8 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
 }
 
 // A light is near if its inverse distance about the reference, in 1/R, says so.
-void ChooseDistances(const Observations& observations, Refined& out, std::vector<Rung>& ladder) {
+void ChooseDistances(const Observations& observations, const ModelChoice& choice, Refined& out,
+                     std::vector<Rung>& ladder) {
   const std::size_t lights = out.solution.scene.lights.size();
   std::vector<std::size_t> own_order(lights);
   for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
@@ -126,13 +112,15 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
     out.inverse_distance_sigma.push_back(sigma.lights[l].inverse_distance);
     const double rho = out.solution.scene.lights[l].inverse_distance;
     const double own = sigma.lights[l].inverse_distance_at_reference;
-    out.near[l] = rho >= kMinInverseDistance && rho > kSignificance * own;
+    // Asked for or not: a light that the fit put at infinity has no distance.
+    out.near[l] = choice.near ? *choice.near && rho > 0.0
+                              : rho >= kMinInverseDistance && rho > kSignificance * own;
     if (!out.near[l] && rho > 0.0) refit = true;
     ladder.push_back(
         {"near light " + std::to_string(l + 1), out.near[l],
-         Format("radius over distance is %.3g with sigma %.2g; it counts from %.3g and 3 "
-                "sigma",
-                rho, own, kMinInverseDistance)});
+         Format("radius over distance is %.3g with sigma %.2g; ", rho, own) +
+             (choice.near ? "as asked for"
+                          : Format("it counts from %.3g and 3 sigma", kMinInverseDistance))});
   }
   if (!refit) return;
   out.options.fixed_distance.assign(lights, false);
@@ -145,117 +133,21 @@ void ChooseDistances(const Observations& observations, Refined& out, std::vector
   out.splits = SplitResiduals(observations, out.solution);
 }
 
-bool Rough(const Candidate& candidate) {
-  return candidate.scene.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
-}
-
-// The simpler model is better unless the other makes the excess variance smaller: three times for
-// each light, 1.25 times for a rough surface.
-bool Better(const Candidate& a, const Candidate& b) {
-  const double lights =
-      static_cast<double>(a.scene.lights.size()) - static_cast<double>(b.scene.lights.size());
-  const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
-  return a.excess * std::pow(kRatioPerLight, lights) * std::pow(kRoughRatio, rough) < b.excess;
-}
-
-Candidate WithDiffuse(Candidate candidate, DiffuseModel model) {
-  Reflectance& r = candidate.scene.reflectance;
-  r.diffuse_model = model;
-  r.roughness = model == DiffuseModel::kOrenNayar ? kFirstRoughness : 0.0;
-  return candidate;
-}
-
-const char* Name(DiffuseModel model) {
-  return model == DiffuseModel::kOrenNayar ? "Oren-Nayar" : "Lambert";
-}
-
-// The candidates so far, and what became of each.
-struct Search {
-  const Observations& sample;
-  double noise;
-  Candidate best;
-  std::string winner, tried;
-  bool done = false;
-
-  // Returns the excess variance that the start led to.
-  double Try(const char* from, const std::vector<Eigen::Vector3d>& directions,
-             DiffuseModel diffuse) {
-    Candidate start;
-    start.scene = StartFromDirections(sample, directions);
-    start = WithDiffuse(std::move(start), diffuse);
-    Candidate found = AddMissingLights(sample, FitAndEliminate(sample, start.scene, noise), noise);
-    const double excess = found.excess;
-    const std::string name = std::string(from) + " with " + Name(diffuse);
-    tried += (tried.empty() ? "" : "; ") + name +
-             Format(" lead to %zu lights with an excess variance of %.3g",
-                    found.scene.lights.size(), excess);
-    done = done || NothingLeft(excess, sample, noise);
-    if (winner.empty() || Better(found, best)) {
-      best = std::move(found);
-      winner = name;
-    }
-    return excess;
-  }
-};
-
 }  // namespace
 
-Candidate FindLights(const Observations& sample, const std::vector<MapPoint>& clusters,
-                     double noise, std::vector<Rung>& ladder) {
-  std::vector<Eigen::Vector3d> directions;
-  for (const MapPoint& cluster : clusters)
-    if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
-  Search search{sample, noise, {}, {}, {}};
-  const double lambert =
-      search.Try("the intensity map's clusters", directions, DiffuseModel::kLambert);
-  if (!search.done) {
-    const double rough = search.Try("the clusters", directions, DiffuseModel::kOrenNayar);
-    // Oren-Nayar can be as smooth as Lambert; Lambert has fewer ways to go wrong.
-    const bool smooth = lambert <= kRoughRatio * rough;
-    if (!search.done)
-      search.Try("a lattice of lights", HemisphereDirections(kLatticeLights, MeanNormal(sample)),
-                 smooth ? DiffuseModel::kLambert : DiffuseModel::kOrenNayar);
-  }
-  ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
-  return std::move(search.best);
-}
-
-Candidate ChooseDiffuse(const Observations& sample, const Candidate& candidate, double noise,
-                        std::vector<Rung>& ladder) {
-  if (!Rough(candidate) && NothingLeft(candidate.excess, sample, noise)) {
-    ladder.push_back({"oren-nayar", false,
-                      Format("with Lambert the excess variance is %.3g: nothing is left to explain",
-                             candidate.excess)});
-    return candidate;
-  }
-  const auto with = [&](DiffuseModel model) {
-    return Eliminate(sample,
-                     model == candidate.scene.reflectance.diffuse_model
-                         ? candidate
-                         : WithDiffuse(candidate, model),
-                     noise);
-  };
-  Candidate smooth = with(DiffuseModel::kLambert), rough = with(DiffuseModel::kOrenNayar);
-  const bool accepted = Better(rough, smooth);
-  ladder.push_back(
-      {"oren-nayar", accepted,
-       Format("excess variance %.3g with Lambert and %zu lights, %.3g with Oren-Nayar and %zu; "
-              "rough from a ratio of %.2f, each light saved is worth %.0f",
-              smooth.excess, smooth.scene.lights.size(), rough.excess, rough.scene.lights.size(),
-              kRoughRatio, kRatioPerLight)});
-  return accepted ? rough : smooth;
-}
-
 Refined Refine(const Observations& observations, const Scene& start, double noise,
-               const SolveOptions& options, std::vector<Rung>& ladder) {
+               const SolveOptions& options, const ModelChoice& choice, std::vector<Rung>& ladder) {
   Refined out;
   out.options = options;
   out.solution.scene = start;
   SolveOn(observations, out);
   ChooseLoss(observations, noise, out, ladder);
   out.splits = SplitResiduals(observations, out.solution);
-  ChooseSpecular(observations, out, ladder);
-  ChooseDistances(observations, out, ladder);
+  if (choice.specular)
+    ladder.push_back({"specular", *choice.specular != SpecularModel::kNone, "as asked for"});
+  else
+    ChooseSpecular(observations, out, ladder);
+  ChooseDistances(observations, choice, out, ladder);
   return out;
 }
 

@@ -1,0 +1,173 @@
+#include "estimator/find_lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/format.h"
+#include "estimator/missing_lights.h"
+#include "estimator/solver.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr std::size_t kMaxClusters = 12;
+constexpr int kLatticeLights = 24;
+constexpr double kRatioPerLight = 3.0;
+constexpr double kRoughRatio = 1.25, kHalfVectorRatio = 1.25;
+constexpr double kFirstRoughness = 0.3;  // radians
+// A lobe of (n.h)^n is about as wide as one of (r.v)^(n/4).
+constexpr double kHalfVectorShininess = 4.0;
+
+Eigen::Vector3d MeanNormal(const Observations& all) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel)
+      for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(all.normal[k][i]);
+  return sum.norm() > 1e-6 * static_cast<double>(all.used) ? Eigen::Vector3d(sum.normalized())
+                                                           : Eigen::Vector3d::UnitZ();
+}
+
+bool Rough(const Candidate& candidate) {
+  return candidate.scene.reflectance.diffuse_model == DiffuseModel::kOrenNayar;
+}
+
+const char* Name(DiffuseModel model) {
+  return model == DiffuseModel::kOrenNayar ? "Oren-Nayar" : "Lambert";
+}
+
+Candidate WithDiffuse(Candidate candidate, DiffuseModel model) {
+  Reflectance& r = candidate.scene.reflectance;
+  r.diffuse_model = model;
+  r.roughness = model == DiffuseModel::kOrenNayar ? kFirstRoughness : 0.0;
+  return candidate;
+}
+
+Candidate WithLobe(Candidate candidate, SpecularModel model) {
+  Reflectance& r = candidate.scene.reflectance;
+  if (model == SpecularModel::kNone) r.specular = 0.0;
+  if (model == SpecularModel::kBlinnPhong && r.specular_model == SpecularModel::kPhong)
+    r.shininess = std::min(kHalfVectorShininess * r.shininess, kMaxShininess);
+  r.specular_model = model;
+  return candidate;
+}
+
+// Whether a is to be preferred. The simpler model is better unless the other makes the excess
+// variance smaller: three times for each light, 1.25 times for a rough surface.
+bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
+  const auto count = [](const Candidate& c) { return static_cast<int>(c.scene.lights.size()); };
+  if (sample.choice.lights) {
+    const int off_a = std::abs(count(a) - *sample.choice.lights);
+    const int off_b = std::abs(count(b) - *sample.choice.lights);
+    if (off_a != off_b) return off_a < off_b;
+  }
+  const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
+  return a.excess * std::pow(kRatioPerLight, count(a) - count(b)) * std::pow(kRoughRatio, rough) <
+         b.excess;
+}
+
+// The candidates so far, and what became of each.
+struct Search {
+  const Sample& sample;
+  Candidate best;
+  std::string winner, tried;
+  bool done = false;
+
+  // Returns the excess variance that the start led to.
+  double Try(const char* from, const std::vector<Eigen::Vector3d>& directions,
+             DiffuseModel diffuse) {
+    Candidate start;
+    start.scene = StartFromDirections(sample.pixels, directions);
+    start = WithDiffuse(std::move(start), diffuse);
+    start = WithLobe(std::move(start), sample.choice.specular.value_or(SpecularModel::kPhong));
+    Candidate found = AddMissingLights(sample, FitAndEliminate(sample, start.scene));
+    const double excess = found.excess;
+    const std::string name = std::string(from) + " with " + Name(diffuse);
+    tried += (tried.empty() ? "" : "; ") + name +
+             Format(" lead to %zu lights with an excess variance of %.3g",
+                    found.scene.lights.size(), excess);
+    done = done || NothingLeft(excess, sample);
+    if (winner.empty() || Better(sample, found, best)) {
+      best = std::move(found);
+      winner = name;
+    }
+    return excess;
+  }
+};
+
+}  // namespace
+
+Candidate FindLights(const Sample& sample, const std::vector<MapPoint>& clusters,
+                     std::vector<Rung>& ladder) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const MapPoint& cluster : clusters)
+    if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
+  const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample.pixels));
+  Search search{sample, {}, {}, {}};
+  DiffuseModel diffuse = sample.choice.diffuse.value_or(DiffuseModel::kLambert);
+  const double first = search.Try("the intensity map's clusters", directions, diffuse);
+  if (!search.done && !sample.choice.diffuse) {
+    const double rough = search.Try("the clusters", directions, DiffuseModel::kOrenNayar);
+    // Oren-Nayar can be as smooth as Lambert; Lambert has fewer ways to go wrong.
+    if (first > kRoughRatio * rough) diffuse = DiffuseModel::kOrenNayar;
+  }
+  if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
+  ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
+  if (sample.choice.lights)
+    ladder.push_back({"lights",
+                      static_cast<int>(search.best.scene.lights.size()) == *sample.choice.lights,
+                      Format("%d were asked for, %zu could be fitted", *sample.choice.lights,
+                             search.best.scene.lights.size())});
+  return std::move(search.best);
+}
+
+Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
+                        std::vector<Rung>& ladder) {
+  if (sample.choice.diffuse) {
+    ladder.push_back({"oren-nayar", Rough(candidate), "as asked for"});
+    return candidate;
+  }
+  if (!Rough(candidate) && NothingLeft(candidate.excess, sample)) {
+    ladder.push_back({"oren-nayar", false,
+                      Format("with Lambert the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
+    return candidate;
+  }
+  const auto with = [&](DiffuseModel model) {
+    return Eliminate(sample, model == candidate.scene.reflectance.diffuse_model
+                                 ? candidate
+                                 : WithDiffuse(candidate, model));
+  };
+  Candidate smooth = with(DiffuseModel::kLambert), rough = with(DiffuseModel::kOrenNayar);
+  const bool accepted = Better(sample, rough, smooth);
+  ladder.push_back(
+      {"oren-nayar", accepted,
+       Format("excess variance %.3g with Lambert and %zu lights, %.3g with Oren-Nayar and %zu; "
+              "rough from a ratio of %.2f, each light saved is worth %.0f",
+              smooth.excess, smooth.scene.lights.size(), rough.excess, rough.scene.lights.size(),
+              kRoughRatio, kRatioPerLight)});
+  return accepted ? rough : smooth;
+}
+
+Candidate ChooseLobe(const Sample& sample, const Candidate& candidate, std::vector<Rung>& ladder) {
+  if (sample.choice.specular) {
+    const bool half_vector = *sample.choice.specular == SpecularModel::kBlinnPhong;
+    ladder.push_back({"blinn-phong", half_vector, "as asked for"});
+    return candidate;
+  }
+  if (NothingLeft(candidate.excess, sample)) {
+    ladder.push_back({"blinn-phong", false,
+                      Format("with Phong the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
+    return candidate;
+  }
+  Candidate other = Eliminate(sample, WithLobe(candidate, SpecularModel::kBlinnPhong));
+  const bool fewer = other.scene.lights.size() <= candidate.scene.lights.size();
+  const bool accepted = fewer && other.excess * kHalfVectorRatio < candidate.excess;
+  ladder.push_back({"blinn-phong", accepted,
+                    Format("excess variance %.3g with Phong, %.3g with Blinn-Phong; it counts from "
+                           "a ratio of %.2f",
+                           candidate.excess, other.excess, kHalfVectorRatio)});
+  return accepted ? other : candidate;
+}
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,62 @@
+#include "estimator/initial_guess.h"
+
+#include "base/format.h"
+#include "estimator/find_lights.h"
+#include "estimator/settled_solve.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kElsewhere = 3.0;  // of the excess variance
+
+Scene StartFromGuess(const Sample& sample, const InitialGuess& guess) {
+  Scene world;
+  world.lights = guess.lights;
+  const Scene given = ToSolver(world, sample.pixels);
+  std::vector<Eigen::Vector3d> directions;
+  for (const Light& light : given.lights) directions.push_back(light.direction);
+  Scene start = StartFromDirections(sample.pixels, directions);
+  double total = 0.0;
+  for (const Light& light : given.lights) total += light.intensity;
+  for (std::size_t l = 0; l < start.lights.size(); ++l) {
+    if (guess.lights[l].inverse_distance > 0.0)
+      start.lights[l].inverse_distance = given.lights[l].inverse_distance;
+    if (guess.has_intensities && total > 0.0)
+      start.lights[l].intensity *=
+          given.lights[l].intensity / total * static_cast<double>(start.lights.size());
+  }
+  Reflectance& r = start.reflectance;
+  if (guess.reflectance) {
+    r.specular_model = guess.reflectance->specular_model;
+    r.shininess = guess.reflectance->shininess;
+    r.diffuse_model = guess.reflectance->diffuse_model;
+    r.roughness = guess.reflectance->roughness;
+  }
+  r.specular_model = sample.choice.specular.value_or(r.specular_model);
+  r.diffuse_model = sample.choice.diffuse.value_or(r.diffuse_model);
+  return start;
+}
+
+}  // namespace
+
+Candidate FitGuess(const Sample& sample, const InitialGuess& guess,
+                   const std::vector<MapPoint>& clusters, std::vector<Rung>& ladder) {
+  Candidate fitted = FitStart(sample, StartFromGuess(sample, guess));
+  const std::size_t count = guess.lights.size();
+  if (!NothingLeft(fitted.excess, sample)) {
+    Sample as_many = sample;
+    as_many.choice.lights = static_cast<int>(count);
+    std::vector<Rung> own;
+    Candidate found = FindLights(as_many, clusters, own);
+    const bool elsewhere =
+        found.scene.lights.size() == count && found.excess * kElsewhere < fitted.excess;
+    ladder.push_back({"initial", !elsewhere,
+                      Format("from the lights given the excess variance is %.3g, without them %.3g",
+                             fitted.excess, found.excess)});
+    if (elsewhere) fitted = std::move(found);
+  }
+  ladder.push_back({"lights", true, Format("%zu, as given by --initial", count)});
+  return fitted;
+}
+
+}  // namespace turnlight::estimator
