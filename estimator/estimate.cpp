@@ -8,6 +8,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "estimator/find_lights.h"
+#include "estimator/held_out.h"
 #include "estimator/paper_estimate.h"
 #include "estimator/uncertainty.h"
 
@@ -259,6 +260,8 @@ Scene FindStart(const Observations& all, const EstimateOptions& options, double 
     candidate = FindLights(sample, clusters, estimate.ladder);
     candidate = ChooseDiffuse(sample, candidate, estimate.ladder);
     candidate = ChooseLobe(sample, candidate, estimate.ladder);
+    candidate = CheckHeldOut(Subsample(all, static_cast<std::size_t>(kSampleSize), 2), sample,
+                             std::move(candidate), estimate.ladder);
   }
   for (const double rms : candidate.rms_history)
     estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});

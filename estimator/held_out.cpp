@@ -1,0 +1,71 @@
+#include "estimator/held_out.h"
+
+#include <cmath>
+
+#include "base/format.h"
+#include "estimator/normal_equations.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kLeastShare = 0.002;
+
+struct Fit {
+  std::vector<std::vector<float>> model;  // per channel
+  double square = 0.0;                    // sum of squared residuals
+  double sum = 0.0;                       // of the model's radiance
+};
+
+Fit Explain(const Observations& pixels, const Scene& scene) {
+  EvaluateOptions options;
+  options.samples_per_side = FootprintSamples(pixels, scene.reflectance.shininess);
+  options.shadows = CastShadows(pixels, scene);
+  Fit fit{Predict(pixels, scene, options), 0.0, 0.0};
+  for (int c = 0; c < pixels.channels; ++c)
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels.pixel[i] == Observations::kNoPixel) continue;
+      const auto model = static_cast<double>(fit.model[static_cast<std::size_t>(c)][i]);
+      const double residual = model - static_cast<double>(pixels.radiance[c][i]);
+      fit.square += residual * residual;
+      fit.sum += model;
+    }
+  return fit;
+}
+
+Scene Without(Scene scene, std::size_t light) {
+  scene.lights.erase(scene.lights.begin() + static_cast<std::ptrdiff_t>(light));
+  return scene;
+}
+
+}  // namespace
+
+Candidate CheckHeldOut(const Observations& held_out, const Sample& sample, Candidate candidate,
+                       std::vector<Rung>& ladder) {
+  const Scene scene = candidate.scene;
+  Scene dark = scene;
+  dark.lights.clear();
+  const Fit with = Explain(held_out, scene);
+  const double light = with.sum - Explain(held_out, dark).sum;
+  const double values = static_cast<double>(held_out.used) * held_out.channels;
+  std::vector<Light> kept;
+  for (std::size_t l = 0; l < scene.lights.size(); ++l) {
+    const Fit without = Explain(held_out, Without(scene, l));
+    const double share = (with.sum - without.sum) / std::max(light, 1e-300);
+    const bool matters = share > kLeastShare && without.square > with.square;
+    const Eigen::Vector3d& u = scene.lights[l].direction;
+    ladder.push_back(
+        {"held-out light", matters,
+         Format(
+             "the light from (%+.2f, %+.2f, %+.2f) gives %.2g %% of the light on pixels that were "
+             "held out, and without it their residual rms is %.3g instead of %.3g; it counts from "
+             "%.1g %%",
+             u.x(), u.y(), u.z(), 100.0 * share, std::sqrt(without.square / values),
+             std::sqrt(with.square / values), 100.0 * kLeastShare)});
+    if (matters || sample.choice.lights) kept.push_back(scene.lights[l]);
+  }
+  if (kept.size() == scene.lights.size()) return candidate;
+  candidate.scene.lights = kept;
+  return Eliminate(sample, candidate);
+}
+
+}  // namespace turnlight::estimator
