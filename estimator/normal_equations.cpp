@@ -145,7 +145,10 @@ KernelPixels PixelsOf(const Observations& all, const EvaluateOptions& options, s
     pixels.mirrored[k] = all.mirrored[k].data() + at;
     pixels.radiance[k] = k < all.channels ? all.radiance[k].data() + at : nullptr;
   }
-  for (int k = 0; k < 6; ++k) pixels.footprint[k] = all.footprint[k].data() + at;
+  for (int k = 0; k < 6; ++k) {
+    pixels.footprint[k] = all.footprint[k].data() + at;
+    pixels.step[k] = all.step[k].data() + at;
+  }
   pixels.pixel = all.pixel.data() + at;
   pixels.samples =
       options.samples_per_side.empty() ? nullptr : options.samples_per_side.data() + tile;

@@ -26,6 +26,7 @@ constexpr int kSilhouetteMargin = 2;  // pixels
 struct PixelGeometry {
   Vector3d position, normal, face_normal, mirrored;
   Vector3d dw_du = Vector3d::Zero(), dw_dv = Vector3d::Zero();
+  Vector3d dx_du = Vector3d::Zero(), dx_dv = Vector3d::Zero();
   double cosine = 0.0;  // n.v
   bool smooth = false;  // the footprint lies on one smooth piece of surface
 };
@@ -76,6 +77,8 @@ class FrameTracer {
                                 .normalized();
     pixel.dw_du = R_WT * (right->mirrored_T - left->mirrored_T);
     pixel.dw_dv = R_WT * (down->mirrored_T - up->mirrored_T);
+    pixel.dx_du = R_WT * (right->point.position - left->point.position);
+    pixel.dx_dv = R_WT * (down->point.position - up->point.position);
     pixel.smooth = Smooth(*left, *center, *right) && Smooth(*up, *center, *down);
     return pixel;
   }
@@ -185,6 +188,7 @@ void Resize(Observations& out, std::size_t size) {
     if (i < out.channels) out.radiance[i].assign(size, 0.0f);
   }
   for (auto& component : out.footprint) component.assign(size, 0);
+  for (auto& component : out.step) component.assign(size, 0);
   if (out.caster != nullptr) {
     for (auto& component : out.face_normal) component.assign(size, 0.0f);
     out.keyframe.assign(size, 0);
@@ -207,6 +211,8 @@ void Pack(const Keyframe& keyframe, const FramePixels& frame, std::uint32_t inde
       out.mirrored[k][at] = static_cast<float>(g.mirrored[k]);
       out.footprint[k][at] = ToBFloat16(static_cast<float>(g.dw_du[k]));
       out.footprint[3 + k][at] = ToBFloat16(static_cast<float>(g.dw_dv[k]));
+      out.step[k][at] = ToBFloat16(static_cast<float>(g.dx_du[k] / out.radius));
+      out.step[3 + k][at] = ToBFloat16(static_cast<float>(g.dx_dv[k] / out.radius));
     }
     const int row = static_cast<int>(frame.pixel[i]) / image.cols;
     const int column = static_cast<int>(frame.pixel[i]) % image.cols;
@@ -322,7 +328,10 @@ Observations Concatenate(const std::vector<Observations>& parts) {
       put(part.mirrored[k], out.mirrored[k]);
       if (k < out.channels) put(part.radiance[part.channels == 1 ? 0 : k], out.radiance[k]);
     }
-    for (int k = 0; k < 6; ++k) put(part.footprint[k], out.footprint[k]);
+    for (int k = 0; k < 6; ++k) {
+      put(part.footprint[k], out.footprint[k]);
+      put(part.step[k], out.step[k]);
+    }
     put(part.pixel, out.pixel);
     if (out.caster != nullptr) {
       for (int k = 0; k < 3; ++k) put(part.face_normal[k], out.face_normal[k]);
@@ -371,7 +380,10 @@ Observations Subsample(const Observations& all, std::size_t count, std::uint64_t
     Gather(all.mirrored[k], picked, out.mirrored[k]);
     if (k < all.channels) Gather(all.radiance[k], picked, out.radiance[k]);
   }
-  for (int k = 0; k < 6; ++k) Gather(all.footprint[k], picked, out.footprint[k]);
+  for (int k = 0; k < 6; ++k) {
+    Gather(all.footprint[k], picked, out.footprint[k]);
+    Gather(all.step[k], picked, out.step[k]);
+  }
   Gather(all.pixel, picked, out.pixel);
   if (out.caster != nullptr) {
     for (int k = 0; k < 3; ++k) Gather(all.face_normal[k], picked, out.face_normal[k]);

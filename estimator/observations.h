@@ -1,7 +1,7 @@
 // What the estimator fits: one entry per usable pixel of every keyframe, as a structure of arrays.
 //
 // Coordinates are the solver's: about a reference point in W, lengths divided by the target's
-// radius R, axes those of W. In single precision: 64 bytes a pixel with colour, 56 without, and 16
+// radius R, axes those of W. In single precision: 76 bytes a pixel with colour, 68 without, and 16
 // more where the target can shadow itself.
 #pragma once
 
@@ -49,6 +49,7 @@ struct Observations {
       mirrored;  // w: the view direction mirrored about the normal, unit
   std::array<std::vector<BFloat16>, 6>
       footprint;                               // dw/du (3), dw/dv (3): change of w across the pixel
+  std::array<std::vector<BFloat16>, 6> step;   // dx/du, dx/dv: change of x across the pixel
   std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
   std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad

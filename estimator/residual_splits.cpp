@@ -15,7 +15,8 @@ float Grey(const std::vector<std::vector<float>>& model, std::size_t i) {
   return sum;
 }
 
-constexpr double kNearEdge = 4.0;      // half footprints
+constexpr double kNearEdge = 4.0;  // half footprints
+constexpr double kFootprintKnown = 0.04;
 constexpr double kHardlyRough = 1e-3;  // radians
 
 // The gradient of the observations whose value is below the median over all that are used.
@@ -95,12 +96,17 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
     out.halves.push_back(GradientOfLower(
         all, solution, [&](std::size_t i) { return all.normal[static_cast<std::size_t>(k)][i]; }));
 
-  EvaluateOptions finer = solution.evaluate;
-  finer.gradient_only = true;
-  for (std::uint8_t& samples : finer.samples_per_side)
-    samples =
-        static_cast<std::uint8_t>(2 * samples <= kernel::kMaxSamples ? 2 * samples : samples / 2);
-  out.finer = Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
+  const auto sampled = [&](const std::function<std::uint8_t(std::uint8_t)>& change) {
+    EvaluateOptions options = solution.evaluate;
+    options.gradient_only = true;
+    for (std::uint8_t& samples : options.samples_per_side) samples = change(samples);
+    return Eigen::VectorXd(Evaluate(all, solution.scene, options).gradient -
+                           solution.equations.gradient);
+  };
+  out.finer = sampled([](std::uint8_t s) {
+    return static_cast<std::uint8_t>(2 * s <= kernel::kMaxSamples ? 2 * s : s / 2);
+  });
+  out.footprint = kFootprintKnown * sampled([](std::uint8_t) { return std::uint8_t{1}; });
   out.edges = EdgesAlone(all, solution);
   out.alternatives = WithAlternatives(all, solution);
   return out;

@@ -21,8 +21,9 @@ struct ResidualSplits {
   // side to which the surface faces.
   std::vector<Eigen::VectorXd> halves;
   // What appears when footprints are sampled twice as finely (half as finely where that is not
-  // possible).
-  Eigen::VectorXd finer;
+  // possible), and 4 % of what appears when they are not averaged over at all: how a pixel averages
+  // is not known better (a renderer's mean of 5 x 5 points is off by as much).
+  Eigen::VectorXd finer, footprint;
   // What the pixels near an attached shadow's edge contribute to the solution's normal equations.
   NormalEquations edges;
   // At the solution, for a surface just rough enough to have a slope (if it is Lambert's).

@@ -182,12 +182,7 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
     out.equations = std::move(equations);
     out.cost_history.push_back(out.equations.cost);
   }
-  // The columns that the data, and not a bound or the gauge, decided.
-  const Eigen::VectorXd values = Values(out.scene, columns);
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const Limits& limit = limits[static_cast<std::size_t>(i)];
-    out.free.push_back(!limit.held && values[i] > limit.low && values[i] < limit.high);
-  }
+  for (const Limits& limit : limits) out.held.push_back(limit.held);
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace turnlight::estimator {
 // Bounds of the solver's coordinates (design, section 3).
 inline constexpr double kMinShininess = 0.5;
 inline constexpr double kMaxShininess = 1e5;
-inline constexpr double kMaxRoughness = 1.5;         // radians of facet slope
+inline constexpr double kMaxRoughness = 1.5707963;   // radians of facet slope
 inline constexpr double kMaxInverseDistance = 0.95;  // in 1/R: a light stays outside the target
 
 // What is held to fix the scale between lights and reflectance.
@@ -37,7 +37,7 @@ struct Solution {
   Scene scene;                       // in the observations' coordinates
   NormalEquations equations;         // at the solution
   std::vector<double> cost_history;  // before the first and after each iteration
-  std::vector<bool> free;            // per column: neither held nor at a bound
+  std::vector<bool> held;            // per column: by the gauge, the model or the options
   int iterations = 0;
   bool converged = false;
   EvaluateOptions evaluate;  // what it was solved with

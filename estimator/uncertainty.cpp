@@ -22,19 +22,14 @@ constexpr double kCommon = 2.0;
 constexpr double kAlternativeSigmas = 2.0;
 constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
 
-// The columns that count as unknowns.
-std::vector<int> Unknowns(const Solution& solution, const Columns& columns,
-                          const SolveOptions& options) {
+// The columns that count as unknowns: all that are not held. What ended at a bound could be on this
+// side of it.
+std::vector<int> Unknowns(const Solution& solution, const Columns& columns) {
   std::vector<int> unknowns;
-  const bool specular = solution.scene.reflectance.specular_model != SpecularModel::kNone;
   for (int column = 0; column < columns.count(); ++column) {
-    bool free = solution.free[static_cast<std::size_t>(column)];
-    if (column == columns.Specular()) free = specular;
-    for (int l = 0; l < columns.lights; ++l)
-      if (column == columns.InverseDistance(l))
-        free =
-            options.fixed_distance.empty() || !options.fixed_distance[static_cast<std::size_t>(l)];
-    if (free) unknowns.push_back(column);
+    const bool nowhere =
+        column == columns.LogShininess() && !(solution.scene.reflectance.specular > 0.0);
+    if (!solution.held[static_cast<std::size_t>(column)] && !nowhere) unknowns.push_back(column);
   }
   return unknowns;
 }
@@ -77,7 +72,7 @@ std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unk
 Covariance Invert(const Solution& solution, const Observations& observations,
                   const Columns& columns, const SolveOptions& options) {
   Covariance out;
-  out.unknowns = Unknowns(solution, columns, options);
+  out.unknowns = Unknowns(solution, columns);
   const auto n = static_cast<Eigen::Index>(out.unknowns.size());
   Eigen::VectorXd scale(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -289,6 +284,7 @@ Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSp
     AddHalf(2.0 * half(unknowns) - whole, scales, out);
   AddEdges(solution.equations, splits.edges, scales, out);
   AddShift(jacobian * (scales.inverse * splits.finer(unknowns)), out.model);
+  AddShift(jacobian * (scales.inverse * splits.footprint(unknowns)), out.model);
   AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, scales, out);
   return out;
 }

@@ -65,12 +65,12 @@ struct Uncertainties {
 // Model: for each split of the observations in two halves, half the difference d of what they ask
 // for, to first order; it counts as far as it is more than noise: all parameters together (chi
 // squared, 4 sigma), or a quantity by itself (3 sigma); and twice, for both halves have errors in
-// common. Besides, the change when footprints are sampled twice as finely; when pixels near
-// attached shadows' edges are left out; and when what was left out of the model, but is more than 2
-// sigma there, is let in: roughness, the inverse distance of a light held to be distant. Squares
-// add up. splits: of this solution. Carried to the reported quantities by their derivatives
-// (central differences). Inverse distances and the specular coefficient count as free at their
-// bound of 0, so that a light that looks distant still has a sigma.
+// common. Besides, the change when footprints are sampled twice as finely, and 4 % of it when they
+// are not averaged over; when pixels near attached shadows' edges are left out; and when what was
+// left out of the model, but is more than 2 sigma there, is let in: roughness, the inverse distance
+// of a light held to be distant. Squares add up. Carried to the reported quantities by their
+// derivatives (central differences). What ended at a bound counts as free, so that a light that
+// looks distant still has a sigma. splits: of this solution.
 Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,
                                   const std::vector<std::size_t>& order,
                                   const SolveOptions& options, const ResidualSplits& splits);

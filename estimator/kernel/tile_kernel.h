@@ -53,7 +53,8 @@ struct KernelPixels {
   const float* position[3];
   const float* normal[3];
   const float* mirrored[3];
-  const std::uint16_t* footprint[6];
+  const std::uint16_t* footprint[6];  // change of the mirrored direction
+  const std::uint16_t* step[6];       // change of the position
   const float* radiance[3];
   const std::uint32_t* pixel;
   const std::uint8_t* samples;     // per tile, or null for 1

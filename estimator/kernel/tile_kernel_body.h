@@ -10,7 +10,7 @@ namespace {
 template <typename Real>
 struct Block {
   using V = typename Lanes<Real>::V;
-  Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv;
+  Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv, dx_du, dx_dv;
   V viewer_cosine;
   V radiance[3];
   V valid;  // 1, or 0 for filling and what is left out
@@ -45,16 +45,21 @@ TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPix
     const auto f = [&](int k) { return LoadBFloat16<Real>(pixels.footprint[k] + at); };
     block.dw_du = {f(0), f(1), f(2)};
     block.dw_dv = {f(3), f(4), f(5)};
+    const auto g = [&](int k) { return LoadBFloat16<Real>(pixels.step[k] + at); };
+    block.dx_du = {g(0), g(1), g(2)};
+    block.dx_dv = {g(3), g(4), g(5)};
   }
   return block;
 }
 
 // A reflectance term f of the unit direction l towards a light, with its gradient by l (not
-// projected on the sphere) and its derivatives by the model's own parameters.
+// projected on the sphere) and its derivatives by the model's own parameters and by the parallax
+// within the pixel.
 template <typename Real>
 struct Term {
   typename Lanes<Real>::V value, by_parameter;
   Vector3<Real> gradient;
+  typename Lanes<Real>::V by_parallax;
 };
 
 template <typename Real>
@@ -63,7 +68,7 @@ TURNLIGHT_INLINE Term<Real> Diffuse(const KernelModel& model, const Block<Real>&
   using L = Lanes<Real>;
   using V = typename L::V;
   const V zero = L::Splat(0.0);
-  if (!model.oren_nayar) return {nl, zero, block.normal};
+  if (!model.oren_nayar) return {nl, zero, block.normal, zero};
   const V a = L::Splat(model.oren_nayar_a), b = L::Splat(model.oren_nayar_b);
   const V nv = block.viewer_cosine;
   const V projected = l.Dot(block.viewer) - nl * nv;
@@ -80,14 +85,17 @@ TURNLIGHT_INLINE Term<Real> Diffuse(const KernelModel& model, const Block<Real>&
 }
 
 // The specular term, its mean over samples x samples points of the pixel's footprint. The footprint
-// moves the mirrored ray w; for Blinn-Phong the normal is the one that mirrors the view into it.
+// moves the mirrored ray w; for Blinn-Phong the normal is the one that mirrors the view into it. It
+// also moves the point itself, and so the direction of a near light the other way, by `parallax`
+// (inverse distance over |L|) times the step: for Phong that is as if w moved on by as much.
 template <typename Real>
 TURNLIGHT_INLINE Term<Real> SpecularMean(const KernelModel& model, const Block<Real>& block,
-                                         const Vector3<Real>& l, int samples) {
+                                         const Vector3<Real>& l, typename Lanes<Real>::V parallax,
+                                         int samples) {
   using L = Lanes<Real>;
   using V = typename L::V;
   const V zero = L::Splat(0.0), n = L::Splat(model.shininess);
-  Term<Real> mean{zero, zero, {zero, zero, zero}};
+  Term<Real> mean{zero, zero, {zero, zero, zero}, zero};
   const bool phong = model.specular_model == Specular::kPhong;
   V inverse_half_norm = zero;
   Vector3<Real> half = l;
@@ -100,10 +108,17 @@ TURNLIGHT_INLINE Term<Real> SpecularMean(const KernelModel& model, const Block<R
     for (int i = 0; i < samples; ++i) {
       // axis: what the lobe is measured against; w for Phong, the normal for Blinn-Phong.
       Vector3<Real> axis = phong ? block.mirrored : block.normal;
+      Vector3<Real> step{zero, zero, zero};
       if (samples > 1) {
-        axis = block.mirrored + block.dw_du * L::Splat(model.node[samples][i]) +
-               block.dw_dv * L::Splat(model.node[samples][j]);
-        axis = axis * axis.InverseNorm();
+        const V du = L::Splat(model.node[samples][i]), dv = L::Splat(model.node[samples][j]);
+        axis = block.mirrored + block.dw_du * du + block.dw_dv * dv;
+        if (phong) {
+          step = block.dx_du * du + block.dx_dv * dv;
+          axis = axis + step * parallax;
+        }
+        const V norm = axis.InverseNorm();
+        axis = axis * norm;
+        step = step * norm;
         if (!phong) {
           axis = axis + block.viewer;
           axis = axis * (Real(1) / L::Sqrt(L::Max(axis.Dot(axis), L::Splat(1e-12))));
@@ -120,6 +135,8 @@ TURNLIGHT_INLINE Term<Real> SpecularMean(const KernelModel& model, const Block<R
       const V slope = n * power / t;
       mean.gradient =
           mean.gradient + (phong ? axis * slope : (axis - half * t) * (slope * inverse_half_norm));
+      if (samples > 1)
+        mean.by_parallax += slope * (half.Dot(step) - half.Dot(axis) * axis.Dot(step));
     }
   }
   return mean;
@@ -178,10 +195,11 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
     V falloff = nl > zero ? inverse * inverse * block.valid : zero;
     if (block.lit) falloff *= LoadBytes<Real>(block.lit[index] + block.at);
     const Term<Real> diffuse = Diffuse(model, block, l, nl);
-    Term<Real> specular{zero, zero, {zero, zero, zero}};
+    Term<Real> specular{zero, zero, {zero, zero, zero}, zero};
+    const V parallax = rho * inverse;
     const bool shiny =
         model.specular_model != Specular::kNone && LobeReaches(model, block, l, samples);
-    if (shiny) specular = SpecularMean(model, block, l, samples);
+    if (shiny) specular = SpecularMean(model, block, l, parallax, samples);
     sum.diffuse += intensity * falloff * diffuse.value;
     sum.specular += intensity * falloff * specular.value;
     sum.by_shininess += intensity * falloff * specular.by_parameter;
@@ -201,8 +219,12 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
         const V le = l.Dot(e);
         L::Store(rows.A(row + 1 + k) + offset,
                  kd * cube * (diffuse.gradient.Dot(e) - diffuse_l * le));
+        // How the parallax within the pixel changes: rho itself, and the distance.
+        const V changed = (k < 2 ? zero : inverse) - parallax * inverse * le;
+        const V by_parallax = falloff * intensity * specular.by_parallax * changed;
         L::Store(rows.B(row + 1 + k) + offset,
-                 shiny ? ks * cube * (specular.gradient.Dot(e) - specular_l * le) : zero);
+                 shiny ? ks * (cube * (specular.gradient.Dot(e) - specular_l * le) + by_parallax)
+                       : zero);
       }
     }
   }

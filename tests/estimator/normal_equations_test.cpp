@@ -350,7 +350,10 @@ TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
     pixels.mirrored[k] = o.mirrored[k].data();
     pixels.radiance[k] = o.radiance[k].data();
   }
-  for (int k = 0; k < 6; ++k) pixels.footprint[k] = o.footprint[k].data();
+  for (int k = 0; k < 6; ++k) {
+    pixels.footprint[k] = o.footprint[k].data();
+    pixels.step[k] = o.step[k].data();
+  }
   pixels.pixel = o.pixel.data();
   pixels.tiles = o.tiles();
   const int n = model.Shared();

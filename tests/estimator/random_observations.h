@@ -40,6 +40,7 @@ struct RandomObservations {
       if (k < channels) out.radiance[k].assign(size, 0.0f);
     }
     for (auto& component : out.footprint) component.assign(size, 0);
+    for (auto& component : out.step) component.assign(size, 0);
     out.pixel.assign(size, Observations::kNoPixel);
     out.tile_footprint.assign(size / kTile, 0.0f);
     out.tile_begin = {0, size / kTile};

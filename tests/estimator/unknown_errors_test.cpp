@@ -74,6 +74,7 @@ TEST(Shadows, FloorBehindAWallIsDarkAsFarAsTheLightIsLow) {
     all.mirrored[k] = all.normal[k];
   }
   for (auto& component : all.footprint) component.assign(size, 0);
+  for (auto& component : all.step) component.assign(size, 0);
   all.keyframe.assign(size, 0);
   all.pixel.assign(size, Observations::kNoPixel);
   all.tile_begin = {0, size / kTile};
