@@ -19,36 +19,49 @@ namespace {
 constexpr double kSampleSize = 6000.0, kSampledNoise = 0.02, kMostSamples = 8.0;
 constexpr std::size_t kMinPixels = 30;
 constexpr double kClusterRadiusDeg = 25.0;
-constexpr double kHighShare = 0.5;      // of the map's range: the paper's high-intensity areas
-constexpr double kDarkRadiance = 1e-7;  // white is 1: nothing was lit
+constexpr double kHighShare = 0.5;  // of the map's range: the paper's high-intensity areas
+constexpr double kManyOutliers = 0.005, kMostOutliers = 0.35;  // of the target's pixels
+constexpr double kDarkRadiance = 1e-7;                         // white is 1: nothing was lit
+constexpr double kUnexplained = 2.0;  // residual rms over noise that something is missing from
+constexpr double kNoisy = 0.15;       // noise over the brightest radiance that hides lights
 constexpr double kNinetyFivePercent = 1.6449;
 
 double Seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Why nothing usable was observed, counted over all keyframes.
-std::string WhyNothing(const std::vector<cv::Mat1b>& flags) {
-  std::size_t on_target = 0, saturated = 0, unreliable = 0, edge = 0;
+// Pixels of the target by what was found about them, over all keyframes.
+struct FlagCounts {
+  std::size_t on_target = 0, saturated = 0, outliers = 0, lost = 0, edge = 0;
+};
+
+FlagCounts Count(const std::vector<cv::Mat1b>& flags) {
+  FlagCounts counts;
   for (const cv::Mat1b& picture : flags)
     for (const std::uint8_t flag : picture) {
       if (flag & kOffTarget) continue;
-      ++on_target;
-      saturated += (flag & kSaturated) != 0 ? 1 : 0;
-      unreliable += (flag & kUnreliable) != 0 ? 1 : 0;
-      edge += (flag & (kSilhouette | kGrazing)) != 0 ? 1 : 0;
+      ++counts.on_target;
+      counts.saturated += (flag & kSaturated) != 0 ? 1 : 0;
+      counts.outliers += (flag & kUnlikeOthers) != 0 ? 1 : 0;
+      counts.lost += (flag & kLostInNoise) != 0 ? 1 : 0;
+      counts.edge += (flag & (kSilhouette | kGrazing)) != 0 ? 1 : 0;
     }
-  if (on_target == 0)
+  return counts;
+}
+
+// Why nothing usable was observed.
+std::string WhyNothing(const FlagCounts& counts) {
+  if (counts.on_target == 0)
     return "No pixel shows the target: check the poses, the masks and the target's size.";
-  if (2 * saturated > on_target)
-    return std::to_string(saturated) + " of " + std::to_string(on_target) +
-           " target pixels are clipped: lower the exposure or the gain.";
-  if (2 * unreliable > on_target)
-    return std::to_string(unreliable) + " of " + std::to_string(on_target) +
-           " target pixels are lost in noise or are outliers: expose longer, lower the gain, or "
-           "average pictures.";
-  return std::to_string(edge) + " of " + std::to_string(on_target) +
-         " target pixels are at the outline or too oblique: move the camera closer.";
+  const auto of = [&](std::size_t count) {
+    return Format("%zu of %zu target pixels ", count, counts.on_target);
+  };
+  if (2 * counts.saturated > counts.on_target)
+    return of(counts.saturated) + "are clipped: lower the exposure or the gain.";
+  if (2 * counts.lost > counts.on_target)
+    return of(counts.lost) +
+           "are lost in noise: expose longer, lower the gain, or average pictures.";
+  return of(counts.edge) + "are at the outline or too oblique: move the camera closer.";
 }
 
 // 99.9 % quantile of the grey radiance.
@@ -162,8 +175,17 @@ void AddNotes(Estimate& out) {
 }
 
 // Which lights there are was decided by what explains the pictures down to the noise.
-void AddCountNote(double noise, Estimate& out) {
-  constexpr double kUnexplained = 2.0;
+void AddCountNote(double noise, double brightest, Estimate& out) {
+  constexpr std::size_t kFewPixels = 1000;
+  if (noise > kNoisy * brightest)
+    out.notes.push_back({"count-uncertain",
+                         Format("The noise is %.2g, %.0f %% of the brightest radiance: lights and "
+                                "highlights may be hidden in it.",
+                                noise, 100.0 * noise / brightest)});
+  if (out.pixels < kFewPixels)
+    out.notes.push_back(
+        {"count-uncertain",
+         Format("Only %zu pixels are usable: they may not show every light.", out.pixels)});
   if (out.rms <= kUnexplained * noise) return;
   out.notes.push_back(
       {"count-uncertain",
@@ -211,8 +233,18 @@ void FillEstimate(const Observations& all, const Refined& refined, Estimate& out
                                    refined.inverse_distance[order[i]],
                                    refined.inverse_distance_sigma[order[i]], i == 0));
   FillSigmas(sigma, refined.specular_sigma, out);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (!refined.near[order[i]])
+      out.stat.lights[i].inverse_distance = refined.inverse_distance_sigma_stat[order[i]];
+  if (out.reflectance.specular_model == SpecularModel::kNone) {
+    out.stat.specular = refined.specular_sigma_stat;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      out.stat.lights[i].specular_product =
+          refined.specular_sigma_stat * out.lights[i].light.intensity;
+  }
   EvaluateOptions squares = refined.options.evaluate;
   squares.huber = 0.0;
+  squares.gradient_only = true;
   const double values = ValueCount(all, squares);
   out.rms = RmsOf(values, Evaluate(all, solution.scene, squares).cost);
   out.pixels = all.used - squares.shadows.left_out;
@@ -320,8 +352,9 @@ Result<Estimate> EstimateAtLevel(const Observations& all, const std::vector<cv::
   Scale(*estimate, level);
   estimate->notes.push_back(
       {"exposure",
-       "The brightest radiance is about " + std::to_string(level) +
-           " of white: decisions, and the numbers in their reasons, take that as white."});
+       Format("The brightest radiance is about %.2g of white: decisions, and the numbers in their "
+              "reasons, take that as white.",
+              level)});
   if (refined) Scale(refined->solution.scene.reflectance, level);
   return estimate;
 }
@@ -380,9 +413,18 @@ Result<Estimate> EstimateObservations(const Observations& all,
     solve.redundancy = static_cast<double>(estimate.views) / estimate.distinct_views;
   Refined result = Refine(all, start, noise, solve, options.model, estimate.ladder);
   FillEstimate(all, result, estimate);
+  const double brightest = Brightest(all);
+  // Pictures without a light's share are ambient light alone, unless noise could hide one.
+  if (estimate.lights.empty() &&
+      (estimate.rms > kUnexplained * noise || noise > kNoisy * brightest))
+    return NoEstimateError(
+        Format("no usable estimate: no light explains more of the pictures than ambient light does "
+               "(residual rms %.2g, noise %.2g, brightest radiance %.2g): expose longer, check the "
+               "poses and the masks.",
+               estimate.rms, noise, brightest));
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   AddNotes(estimate);
-  AddCountNote(noise, estimate);
+  AddCountNote(noise, brightest, estimate);
   estimate.initial_s = started - begin;
   estimate.solve_s = Seconds() - started;
   if (refined) *refined = std::move(result);
@@ -395,6 +437,12 @@ Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
   const double begin = Seconds();
   std::vector<cv::Mat1b> flags;
   const Observations all = BuildObservations(keyframes, geometry, rays, &flags);
+  const FlagCounts counts = Count(flags);
+  if (static_cast<double>(counts.outliers) > kMostOutliers * static_cast<double>(counts.on_target))
+    return NoEstimateError(
+        Format("no usable estimate: %zu of %zu target pixels are unlike all around them: the "
+               "pictures show something else than a surface; check their format and the masks.",
+               counts.outliers, counts.on_target));
   std::vector<cv::Mat> signatures;
   for (const Keyframe& keyframe : keyframes) signatures.push_back(ViewSignature(keyframe));
   const double built = Seconds();
@@ -403,11 +451,17 @@ Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
   auto estimate = EstimateObservations(all, signatures, options, &out.map, &refined);
   if (!estimate) {
     Error error = estimate.error();
-    if (all.used < kMinPixels) error.text += WhyNothing(flags);
+    if (all.used < kMinPixels) error.text += WhyNothing(counts);
     return tl::unexpected<Error>(std::move(error));
   }
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built - begin;
+  if (static_cast<double>(counts.outliers) > kManyOutliers * static_cast<double>(counts.on_target))
+    out.estimate.notes.push_back(
+        {"outliers",
+         Format("%zu of %zu target pixels are unlike all around them and were left out; "
+                "some may have been missed.",
+                counts.outliers, counts.on_target)});
   out.residuals = ResidualMaps(all, refined.solution.scene, refined.options.evaluate,
                                {rays.width(), rays.height()});
   return out;

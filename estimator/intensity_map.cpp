@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/angles.h"
+#include "base/parallel.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -68,10 +69,12 @@ Eigen::Vector3d MapDirection(int row, int column) {
 IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg) {
   const Cells cells = Plot(observations);
   IntensityMap map{cv::Mat1f(kRows, kColumns, kUnseen)};
-  for (int row = 0; row < kRows; ++row)
+  ParallelFor(kRows, [&](std::size_t r) {
+    const int row = static_cast<int>(r);
     for (int column = 0; column < kColumns; ++column)
       if (cells.count(row, column) > 0.0)
         map.intensity(row, column) = Smoothed(cells, row, column, sigma_deg);
+  });
   return map;
 }
 

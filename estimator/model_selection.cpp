@@ -69,8 +69,9 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   if (scene.reflectance.specular_model == SpecularModel::kNone) return;
   const auto order = StrengthOrder(scene, observations);
   // The statistical sigma: a highlight that the model describes badly is a highlight nevertheless.
-  const Uncertainty sigma =
-      EstimateUncertainty(out.solution, observations, order, out.options, out.splits).stat;
+  const Uncertainties sigmas =
+      EstimateUncertainty(out.solution, observations, order, out.options, out.splits);
+  const Uncertainty& sigma = sigmas.stat;
   const Reported reported = Report(scene, observations, order);
   // The highlight as it is at the target, wherever W's origin is.
   double strongest = 0.0;
@@ -81,14 +82,20 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
           ? 1.0
           : sigma.lights.front().specular_product / reported.lights.front().specular_product;
   const double own = relative * peak;
-  const bool matters = peak >= kMinSpecularPeak && peak > kSignificance * own;
+  const bool known = std::isfinite(sigma.shininess);
+  const bool matters = known && peak >= kMinSpecularPeak && peak > kSignificance * own;
   ladder.push_back(
       {"specular", matters,
        Format("the strongest highlight is %.3g of white with sigma %.2g; it counts from "
               "%.3g and 3 sigma",
-              peak, own, kMinSpecularPeak)});
+              peak, own, kMinSpecularPeak) +
+           (known ? "" : ", and its width cannot be told")});
   if (matters) return;
-  out.specular_sigma = sigma.lights.empty() ? own : sigma.lights.front().specular_product;
+  const auto product = [&](const Uncertainty& of) {
+    return of.lights.empty() ? own : of.lights.front().specular_product;
+  };
+  out.specular_sigma = product(sigmas.total);
+  out.specular_sigma_stat = product(sigmas.stat);
   out.solution.scene.reflectance.specular_model = SpecularModel::kNone;
   out.solution.scene.reflectance.specular = 0.0;
   SolveOn(observations, out);
@@ -101,8 +108,9 @@ void ChooseDistances(const Observations& observations, const ModelChoice& choice
   const std::size_t lights = out.solution.scene.lights.size();
   std::vector<std::size_t> own_order(lights);
   for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
-  const Uncertainty sigma =
-      EstimateUncertainty(out.solution, observations, own_order, out.options, out.splits).total;
+  const Uncertainties sigmas =
+      EstimateUncertainty(out.solution, observations, own_order, out.options, out.splits);
+  const Uncertainty& sigma = sigmas.total;
   const Reported reported = Report(out.solution.scene, observations, own_order);
   out.near.assign(lights, false);
   bool refit = false;
@@ -110,6 +118,7 @@ void ChooseDistances(const Observations& observations, const ModelChoice& choice
     // About W's origin, for the reader; the decision is about the target, wherever the origin is.
     out.inverse_distance.push_back(reported.lights[l].light.inverse_distance);
     out.inverse_distance_sigma.push_back(sigma.lights[l].inverse_distance);
+    out.inverse_distance_sigma_stat.push_back(sigmas.stat.lights[l].inverse_distance);
     const double rho = out.solution.scene.lights[l].inverse_distance;
     const double own = sigma.lights[l].inverse_distance_at_reference;
     // Asked for or not: a light that the fit put at infinity has no distance.

@@ -23,8 +23,9 @@ struct Refined {
   SolveOptions options;
   std::vector<bool> near;                // per light
   std::vector<double> inverse_distance;  // per light, about W's origin, with distances free
-  std::vector<double> inverse_distance_sigma;
-  double specular_sigma = 0.0;  // of k_s, if it was found not to matter
+  std::vector<double> inverse_distance_sigma, inverse_distance_sigma_stat;
+  // Of the strongest light's k_s I, if it was found not to matter.
+  double specular_sigma = 0.0, specular_sigma_stat = 0.0;
   std::vector<double> cost_history;
   int iterations = 0;
   ResidualSplits splits;  // of the solution

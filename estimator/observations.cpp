@@ -155,7 +155,8 @@ FramePixels TraceKeyframe(const Keyframe& keyframe, const Geometry& geometry,
       std::uint8_t flag = 0;
       if (!pixel) flag |= kOffTarget;
       if (saturated(row, column) != 0) flag |= kSaturated;
-      if ((broken(row, column) & (kOutlier | kFloored)) != 0) flag |= kUnreliable;
+      if ((broken(row, column) & kOutlier) != 0) flag |= kUnlikeOthers;
+      if ((broken(row, column) & kFloored) != 0) flag |= kLostInNoise;
       if (pixel && (inside(row, column) == 0 || !pixel->smooth)) flag |= kSilhouette;
       if (pixel && pixel->cosine < grazing) flag |= kGrazing;
       out.flags(row, column) = flag;
@@ -243,8 +244,8 @@ float FromBFloat16(BFloat16 value) {
 Observations BuildObservations(const std::vector<Keyframe>& keyframes, const Geometry& geometry,
                                const calib::RayGrid& rays, std::vector<cv::Mat1b>* flags) {
   std::vector<FramePixels> frames(keyframes.size());
-  for (std::size_t k = 0; k < keyframes.size(); ++k)
-    frames[k] = TraceKeyframe(keyframes[k], geometry, rays);
+  ParallelFor(keyframes.size(),
+              [&](std::size_t k) { frames[k] = TraceKeyframe(keyframes[k], geometry, rays); });
   Observations out;
   out.radius = geometry.radius();
   out.channels = ChannelsAreEqual(keyframes) ? 1 : 3;

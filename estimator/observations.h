@@ -19,11 +19,12 @@ namespace turnlight::estimator {
 
 // Why a pixel is not used; the bits of a flag picture. 0: used.
 enum PixelFlag : std::uint8_t {
-  kOffTarget = 1,    // the ray misses the target, or the mask says it is not the target
-  kSaturated = 2,    // clipped, not finite, or one of the 8 neighbours of such a pixel
-  kSilhouette = 4,   // within two pixels of the outline, or across a jump of depth or normal
-  kGrazing = 8,      // seen too flat for its footprint to be trusted
-  kUnreliable = 16,  // an outlier among its neighbours, or cut off at the sensor's floor
+  kOffTarget = 1,      // the ray misses the target, or the mask says it is not the target
+  kSaturated = 2,      // clipped, not finite, or one of the 8 neighbours of such a pixel
+  kSilhouette = 4,     // within two pixels of the outline, or across a jump of depth or normal
+  kGrazing = 8,        // seen too flat for its footprint to be trusted
+  kUnlikeOthers = 16,  // an outlier among its neighbours
+  kLostInNoise = 32,   // cut off at the sensor's floor
 };
 
 // bfloat16: the upper half of a float. Two to three digits are plenty for a footprint.
