@@ -42,17 +42,6 @@ struct Prepared {
   std::optional<graph::Graph> graph;
 };
 
-Result<graph::Graph> BuildGraph(const Prepared& run, const std::vector<rig::PlannedFrame>& frames) {
-  CaptureDisplay* display = run.display.get();
-  auto graph = graph::Graph::Build(
-      run.config.graph,
-      MakeRegistry(run.rig, MakeKeyframesJob(run.config, run.rig, frames), run.recorder,
-                   [display](const std::string& line) { display->OnLine(line); }));
-  if (!graph) return graph;
-  if (const Status status = graph->Configure(); !status) return Forward(status);
-  return graph;
-}
-
 Status Tap(Prepared& run) {
   CaptureDisplay* display = run.display.get();
   for (const graph::NodeConfig& node : run.graph->parts().config.nodes) {
@@ -129,7 +118,7 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   auto rig = MakeRig(run.config);
   if (!rig) return Forward(rig);
   run.rig = std::move(*rig);
-  if (const auto graph = BuildGraph(run, {}); !graph) return Forward(graph);
+  if (const auto graph = BuildGraph(run.config, run.rig, {}); !graph) return Forward(graph);
 
   if (const Status status = MakeDirectory(folder.root()); !status) return Forward(status);
   auto lock = LockFile::Take(folder.lock(), folder.root().string() + ": another run writes here");
@@ -146,7 +135,10 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   std::cerr << Announce(run, folder, missing, start) << std::endl;
   const std::size_t total = rig::PlannedFrames(run.config.plan).size();
   run.display = std::make_unique<CaptureDisplay>(total, total - missing.size());
-  auto graph = BuildGraph(run, missing);
+  auto graph = BuildGraph(
+      run.config, run.rig,
+      {missing, run.recorder,
+       [display = run.display.get()](const std::string& line) { display->OnLine(line); }});
   if (!graph) return Forward(graph);
   run.graph.emplace(std::move(*graph));
   if (const Status tapped = Tap(run); !tapped) return Forward(tapped);

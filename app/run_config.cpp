@@ -6,11 +6,7 @@
 
 #include "base/file.h"
 #include "base/sha256.h"
-#include "nodes/camera_node.h"
-#include "nodes/estimator_node.h"
-#include "nodes/logger_node.h"
-#include "nodes/recorder_node.h"
-#include "nodes/turntable_node.h"
+#include "nodes/capture_nodes.h"
 #include "rig/sim/blob.h"
 
 namespace turnlight::app {
@@ -141,43 +137,23 @@ Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& r
                            rig.format,    *camera_identity,  *table_identity};
 }
 
-nodes::KeyframesJob MakeKeyframesJob(const RunConfig& config, const Rig& rig,
-                                     std::vector<rig::PlannedFrame> frames) {
+Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use) {
+  const rig::Studio& studio = rig.camera->studio();
   nodes::KeyframesJob job;
   job.plan = config.plan;
-  job.frames = std::move(frames);
-  job.radiometry = rig.camera->studio().radiometry;
-  return job;
-}
-
-graph::NodeRegistry MakeRegistry(const Rig& rig, const nodes::KeyframesJob& job,
-                                 std::shared_ptr<rig::SessionRecorder> recorder,
-                                 std::function<void(const std::string&)> log_line) {
-  graph::NodeRegistry registry;
-  registry.Add("turntable",
-               [table = rig.table] { return std::make_unique<nodes::TurntableNode>(table); });
-  registry.Add("camera",
-               [camera = rig.camera] { return std::make_unique<nodes::CameraNode>(camera); });
-  registry.Add("keyframes", [job] { return std::make_unique<nodes::KeyframesNode>(job); });
-  registry.Add("calibration", [camera = rig.camera, noise = rig.noise, plan = job.plan] {
-    const rig::Studio& studio = camera->studio();
-    calib::Radiometry raw = studio.radiometry;
-    raw.reference_exposure_us = plan.exposures_us.front();
-    raw.reference_gain_db = plan.gain_db;
-    return std::make_unique<nodes::CalibrationNode>(nodes::RigCalibration{
-        studio.camera, raw,
-        rig::SessionRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db), noise,
-        [camera](double angle_deg) {
-          const rig::Placement placed = camera->PlacementAt(angle_deg);
-          return nodes::CameraAndTarget{placed.X_WC, placed.X_WT};
-        }});
-  });
-  registry.Add("recorder", [recorder] { return std::make_unique<nodes::RecorderNode>(recorder); });
-  registry.Add("estimator", [camera = rig.camera] {
-    return std::make_unique<nodes::EstimatorNode>(camera->studio().target);
-  });
-  registry.Add("logger", [log_line] { return std::make_unique<nodes::LoggerNode>(log_line); });
-  return registry;
+  job.frames = std::move(use.frames);
+  job.radiometry = studio.radiometry;
+  auto graph = graph::Graph::Build(
+      config.graph,
+      nodes::CaptureNodes({rig.table, rig.camera, std::move(job), studio.camera, rig.noise,
+                           [camera = rig.camera](double angle_deg) {
+                             const rig::Placement placed = camera->PlacementAt(angle_deg);
+                             return nodes::CameraAndTarget{placed.X_WC, placed.X_WT};
+                           },
+                           studio.target, std::move(use.recorder), std::move(use.log_line)}));
+  if (!graph) return graph;
+  if (const Status status = graph->Configure(); !status) return Forward(status);
+  return graph;
 }
 
 void RemoveNodes(graph::GraphConfig& graph, const std::string& type) {

@@ -8,10 +8,14 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <stdexcept>
 #include <string>
 
 #include "base/file.h"
-#include "program.h"
+#include "calib/radiometry.h"
+#include "rig/session/session.h"
+#include "tests/app/program.h"
 
 namespace turnlight::app {
 namespace {
@@ -99,6 +103,35 @@ TEST_F(Run, ThreadsAndRealTimeGiveTheSameSessionAndResult) {
   EXPECT_EQ(Session(Out("virtual")), Session(Out("wall")));
   EXPECT_EQ(ResultWithoutTimes(Out("virtual") + "/result"),
             ResultWithoutTimes(Out("wall") + "/result"));
+}
+
+// A bracket whose first exposure is not the reference, against the shorter exposure alone: the same
+// radiance, saturated where that is.
+TEST_F(Run, ABracketIsSaturatedWhereItsShortestExposureIs) {
+  const auto capture = [this](const std::string& name, const std::string& exposures_us) {
+    std::string text = *ReadFile(config_);
+    Replace(text, "count: 6", "count: 1");
+    Replace(text, "exposures_us: [8000]", "exposures_us: " + exposures_us);
+    Replace(text, "reference_exposure_us: 8000", "reference_exposure_us: 4000");
+    Replace(text, "intensity: 0.8", "intensity: 5");
+    std::ofstream(root_ / (name + ".yaml")) << text;
+    const Outcome outcome =
+        RunProgram({"capture", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto session = rig::ReadSession(Out(name) + "/session");
+    if (!session) throw std::runtime_error(session.error().text);
+    const auto images = rig::ReadFrameImages(*session, 0);
+    if (!images) throw std::runtime_error(images.error().text);
+    return calib::Linearise(images->image, session->radiometry, session->frames[0].exposure);
+  };
+  const calib::LinearImage alone = capture("alone", "[2000]");
+  const calib::LinearImage bracket = capture("bracket", "[16000, 2000]");
+  const int saturated = cv::countNonZero(alone.saturated);
+  EXPECT_GT(saturated, 20);
+  EXPECT_LE(cv::countNonZero(alone.saturated != bracket.saturated), saturated / 20);  // noise
+  const cv::Mat1b good = (alone.saturated == 0) & (bracket.saturated == 0);
+  // Noise is cut off at black, more of it in the short exposure alone.
+  EXPECT_NEAR(cv::mean(bracket.radiance, good)[0] / cv::mean(alone.radiance, good)[0], 1.0, 0.03);
 }
 
 TEST_F(Run, SecondRunIntoTheSameFolderIsRefused) {
