@@ -8,8 +8,8 @@
 
 #include "app/command.h"
 #include "app/interrupt.h"
-#include "app/suggest.h"
 #include "app/version.h"
+#include "base/nearest.h"
 
 namespace turnlight::app {
 namespace {

@@ -68,14 +68,10 @@ rig::SensorNoise NoiseOf(const rig::MockCamera& camera) {
   return noise;
 }
 
-Result<rig::Target> TargetOf(const calib::TargetShape& shape, const std::filesystem::path& folder) {
-  if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return rig::Target(*sphere);
-  if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return rig::Target(*plane);
-  const std::filesystem::path path = folder / "target.ply";
-  const auto& mesh = std::get<calib::MeshShape>(shape);
-  if (const Status status = WriteFileAtomic(path, rig::MeshToPly(mesh)); !status)
-    return Forward(status);
-  return rig::Target(rig::MeshFile{path.string()});
+rig::CaptureTarget TargetOf(const calib::TargetShape& shape) {
+  if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return *sphere;
+  if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return *plane;
+  return rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(std::get<calib::MeshShape>(shape))};
 }
 
 }  // namespace
@@ -123,18 +119,28 @@ Result<Rig> MakeRig(const RunConfig& config) {
   return rig;
 }
 
-Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& rig,
-                                           const std::filesystem::path& folder) {
+Result<RigIdentity> OpenRig(const Rig& rig) {
+  const auto camera = rig.camera->Open(rig::DeviceTime(0));
+  if (!camera) return Forward(camera);
+  const auto table = rig.table->Open(rig::DeviceTime(0));
+  if (!table) return Forward(table);
+  return RigIdentity{*camera, *table};
+}
+
+rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
+                                   const RigIdentity& identity) {
   const rig::Studio& studio = rig.camera->studio();
-  auto target = TargetOf(studio.target, folder);
-  if (!target) return Forward(target);
-  const auto camera_identity = rig.camera->Open(rig::DeviceTime(0));
-  if (!camera_identity) return Forward(camera_identity);
-  const auto table_identity = rig.table->Open(rig::DeviceTime(0));
-  if (!table_identity) return Forward(table_identity);
-  return rig::CaptureSetup{config.plan,   config.text,       config.name,    "mm",
-                           studio.camera, studio.radiometry, std::nullopt,   std::move(*target),
-                           rig.format,    *camera_identity,  *table_identity};
+  return {.plan = config.plan,
+          .config_text = config.text,
+          .name = config.name,
+          .length_unit = "mm",
+          .camera = studio.camera,
+          .radiometry = studio.radiometry,
+          .bayer = std::nullopt,
+          .target = TargetOf(studio.target),
+          .format = rig.format,
+          .camera_identity = identity.camera,
+          .table_identity = identity.table};
 }
 
 Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use) {

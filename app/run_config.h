@@ -52,10 +52,15 @@ struct Rig {
 };
 Result<Rig> MakeRig(const RunConfig& config);
 
-// What the recorder needs to know; opens the devices to learn who they are. folder: where a target
-// that is a mesh is written to, for the recorder to copy.
-Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& rig,
-                                           const std::filesystem::path& folder);
+struct RigIdentity {
+  rig::DeviceIdentity camera, table;
+};
+// Opens the devices; a graph takes them open. Fails (kDevice) with the device's name.
+Result<RigIdentity> OpenRig(const Rig& rig);
+
+// What the recorder needs to know.
+rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
+                                   const RigIdentity& identity);
 
 // What a graph is for; by default for being checked and drawn.
 struct GraphUse {

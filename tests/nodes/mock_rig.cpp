@@ -85,20 +85,19 @@ using Recorder = std::shared_ptr<rig::SessionRecorder>;
 Recorder OpenRecorder(const MockRigOptions& options, const MockRigRun& run) {
   if (options.session.empty()) return nullptr;
   const rig::Studio& studio = run.camera->studio();
-  std::filesystem::create_directories(options.session);
-  const auto mesh_file = options.session.parent_path() / "lump.ply";
-  Expect(WriteFileAtomic(mesh_file, rig::MeshToPly(std::get<calib::MeshShape>(studio.target))));
-  const rig::CaptureSetup setup{.plan = options.plan,
-                                .config_text = "a test",
-                                .name = "lump",
-                                .length_unit = "mm",
-                                .camera = studio.camera,
-                                .radiometry = studio.radiometry,
-                                .bayer = std::nullopt,
-                                .target = rig::MeshFile{mesh_file.string()},
-                                .format = {{kColumns, kRows}, 3, CV_16U},
-                                .camera_identity = {"turnlight", "mock camera", "1"},
-                                .table_identity = {"turnlight", "mock turntable", "1"}};
+  const auto& lump = std::get<calib::MeshShape>(studio.target);
+  const rig::CaptureSetup setup{
+      .plan = options.plan,
+      .config_text = "a test",
+      .name = "lump",
+      .length_unit = "mm",
+      .camera = studio.camera,
+      .radiometry = studio.radiometry,
+      .bayer = std::nullopt,
+      .target = rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(lump)},
+      .format = {{kColumns, kRows}, 3, CV_16U},
+      .camera_identity = {"turnlight", "mock camera", "1"},
+      .table_identity = {"turnlight", "mock turntable", "1"}};
   const bool begun = std::filesystem::exists(options.session / rig::kJournalFile);
   return std::make_shared<rig::SessionRecorder>(
       Expect(begun ? rig::SessionRecorder::Resume(options.session, setup, {}, *options.disk)
@@ -111,6 +110,8 @@ graph::NodeRegistry MakeNodes(const MockRigOptions& options, MockRigRun& run,
   const rig::Studio& studio = run.camera->studio();
   std::shared_ptr<rig::Camera> camera = run.camera;
   if (options.wrap_camera) camera = options.wrap_camera(camera);
+  Expect(run.table->Open(rig::DeviceTime(0)));
+  Expect(camera->Open(rig::DeviceTime(0)));
   return CaptureNodes(
       {run.table,
        camera,
