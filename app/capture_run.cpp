@@ -11,7 +11,7 @@
 
 #include "app/capture_display.h"
 #include "app/closure.h"
-#include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/progress_table.h"
 #include "app/run_config.h"

@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "app/command.h"
+#include "app/exit_code.h"
 
 namespace turnlight::app {
 

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/run_config.h"
 #include "base/file.h"
 #include "rig/sim/synthetic_config.h"

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/session_estimate.h"
 
 namespace turnlight::app {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/version.h"
 #include "base/nearest.h"

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/run_config.h"
 #include "base/format.h"
 #include "nodes/graph/draw.h"

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <csignal>
 
-#include "app/command.h"
+#include "app/exit_code.h"
 
 namespace turnlight::app {
 namespace {

@@ -1,6 +1,6 @@
 #include "app/run_outcome.h"
 
-#include "app/command.h"
+#include "app/exit_code.h"
 #include "nodes/logger_node.h"
 
 namespace turnlight::app {

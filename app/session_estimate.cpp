@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/closure.h"
-#include "app/command.h"
 #include "app/interrupt.h"
+#include "app/output_folder.h"
 #include "app/pictures_out.h"
 #include "app/progress.h"
 #include "app/result_json.h"

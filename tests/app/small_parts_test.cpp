@@ -7,7 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "app/run_outcome.h"
