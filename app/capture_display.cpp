@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "app/progress.h"
+
 namespace turnlight::app {
 namespace {
 
@@ -65,7 +67,7 @@ void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
   if (done_ < total_) {
     const double left =
         seconds / static_cast<double>(done_ - before_) * static_cast<double>(total_ - done_);
-    frame_text_ += ", " + std::to_string(static_cast<long>(left) + 1) + " s left";
+    frame_text_ += ", " + TimeLeft(left);
   }
   Show(frame_text_);
 }
@@ -81,10 +83,16 @@ void CaptureDisplay::OnEstimate(const nodes::Estimate& estimate) {
 
 void CaptureDisplay::OnLine(const std::string& line) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  shown_.insert(line);
   if (!terminal_) return Show(line);
   Erase();
   std::fprintf(stderr, "%s\n", line.c_str());
   Draw();
+}
+
+bool CaptureDisplay::Showed(const std::string& line) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return shown_.contains(line);
 }
 
 void CaptureDisplay::End() {

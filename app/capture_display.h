@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ class CaptureDisplay {
 
   // After the run: leaves what is on the terminal there.
   void End();
+  // Whether OnLine was called with it.
+  bool Showed(const std::string& line);
   // All that came, in their order.
   const std::vector<nodes::Estimate>& estimates() const { return estimates_; }
 
@@ -48,6 +51,7 @@ class CaptureDisplay {
   std::size_t done_;
   std::string frame_text_;
   std::vector<nodes::Estimate> estimates_;
+  std::set<std::string> shown_;
   std::size_t drawn_ = 0;  // lines on the terminal
 };
 

@@ -10,18 +10,21 @@
 #include <utility>
 
 #include "app/capture_display.h"
-#include "app/command.h"
+#include "app/closure.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/progress_table.h"
 #include "app/run_config.h"
+#include "app/run_outcome.h"
 #include "app/session_estimate.h"
 #include "app/version.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "base/lock_file.h"
 #include "base/utc.h"
 #include "nodes/graph/graph.h"
 #include "nodes/graph/log.h"
-#include "rig/capture/closure_check.h"
+#include "nodes/logger_node.h"
 #include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
@@ -42,17 +45,6 @@ struct Prepared {
   std::optional<graph::Graph> graph;
 };
 
-Result<graph::Graph> BuildGraph(const Prepared& run, const std::vector<rig::PlannedFrame>& frames) {
-  CaptureDisplay* display = run.display.get();
-  auto graph = graph::Graph::Build(
-      run.config.graph,
-      MakeRegistry(run.rig, MakeKeyframesJob(run.config, run.rig, frames), run.recorder,
-                   [display](const std::string& line) { display->OnLine(line); }));
-  if (!graph) return graph;
-  if (const Status status = graph->Configure(); !status) return Forward(status);
-  return graph;
-}
-
 Status Tap(Prepared& run) {
   CaptureDisplay* display = run.display.get();
   for (const graph::NodeConfig& node : run.graph->parts().config.nodes) {
@@ -70,22 +62,18 @@ Status Tap(Prepared& run) {
   return {};
 }
 
-Result<Recorder> OpenRecorder(const Prepared& run, const RunFolder& folder, Start start) {
-  auto setup = MakeCaptureSetup(run.config, run.rig, folder.root());
-  if (!setup) return Forward(setup);
+Result<Recorder> OpenRecorder(const Prepared& run, const RigIdentity& identity,
+                              const RunFolder& folder, Start start) {
+  const rig::CaptureSetup setup = MakeCaptureSetup(run.config, run.rig, identity);
   rig::RunProvenance provenance;
   provenance.program_version = Version();
   provenance.program_commit = Commit();
   provenance.utc = UtcNow();
   provenance.camera_settings = {run.config.plan.exposures_us.front(), run.config.plan.gain_db};
   auto recorder = start == Start::kNew
-                      ? rig::SessionRecorder::Start(folder.session(), *setup, provenance)
-                      : rig::SessionRecorder::Resume(folder.session(), *setup, provenance);
+                      ? rig::SessionRecorder::Start(folder.session(), setup, provenance)
+                      : rig::SessionRecorder::Resume(folder.session(), setup, provenance);
   if (!recorder) return Forward(recorder);
-  if (const auto* mesh = std::get_if<rig::MeshFile>(&setup->target)) {
-    std::error_code code;  // the session has its copy
-    fs::remove(mesh->path, code);
-  }
   // A simulated rig knows the answer.
   const Status status = WriteFileAtomic(
       folder.session() / "truth.json",
@@ -94,28 +82,21 @@ Result<Recorder> OpenRecorder(const Prepared& run, const RunFolder& folder, Star
   return std::make_shared<rig::SessionRecorder>(std::move(*recorder));
 }
 
-std::string Show(double number) {
-  std::ostringstream text;
-  text.precision(10);
-  text << number;
-  return text.str();
-}
-
 // What is about to happen.
 std::string Announce(const Prepared& run, const RunFolder& folder,
                      const std::vector<rig::PlannedFrame>& missing, Start start) {
   const auto planned = rig::PlannedFrames(run.config.plan);
   std::string text = run.config.name + ": ";
   if (start == Start::kNew)
-    return text + std::to_string(planned.size()) + " frames from " +
-           Show(planned.front().angle_deg) + "\u00b0 to " + Show(planned.back().angle_deg) +
-           "\u00b0 into " + folder.session().string();
+    return text +
+           Format("%zu frames from %.10g\u00b0 to %.10g\u00b0 into ", planned.size(),
+                  planned.front().angle_deg, planned.back().angle_deg) +
+           folder.session().string();
   for (const std::string& dropped : run.recorder->report().dropped)
     text += dropped + "; taken again\n";
-  text += std::to_string(planned.size() - missing.size()) + " of " +
-          std::to_string(planned.size()) + " frames are safe";
+  text += Format("%zu of %zu frames are safe", planned.size() - missing.size(), planned.size());
   return missing.empty() ? text
-                         : text + ", going on at " + Show(missing.front().angle_deg) + "\u00b0";
+                         : text + Format(", going on at %.10g\u00b0", missing.front().angle_deg);
 }
 
 // config_file is read, and everything that can be refused is, before anything is written.
@@ -129,7 +110,9 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   auto rig = MakeRig(run.config);
   if (!rig) return Forward(rig);
   run.rig = std::move(*rig);
-  if (const auto graph = BuildGraph(run, {}); !graph) return Forward(graph);
+  if (const auto graph = BuildGraph(run.config, run.rig, {}); !graph) return Forward(graph);
+  const auto identity = OpenRig(run.rig);
+  if (!identity) return Forward(identity);
 
   if (const Status status = MakeDirectory(folder.root()); !status) return Forward(status);
   auto lock = LockFile::Take(folder.lock(), folder.root().string() + ": another run writes here");
@@ -138,7 +121,7 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   Status status = start == Start::kNew ? folder.CheckNew() : folder.CheckBegun();
   if (status && start == Start::kNew) status = folder.Begin(run.config.text, goal);
   if (!status) return Forward(status);
-  auto recorder = OpenRecorder(run, folder, start);
+  auto recorder = OpenRecorder(run, *identity, folder, start);
   if (!recorder) return Forward(recorder);
   run.recorder = std::move(*recorder);
 
@@ -146,62 +129,14 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   std::cerr << Announce(run, folder, missing, start) << std::endl;
   const std::size_t total = rig::PlannedFrames(run.config.plan).size();
   run.display = std::make_unique<CaptureDisplay>(total, total - missing.size());
-  auto graph = BuildGraph(run, missing);
+  auto graph = BuildGraph(
+      run.config, run.rig,
+      {missing, run.recorder,
+       [display = run.display.get()](const std::string& line) { display->OnLine(line); }});
   if (!graph) return Forward(graph);
   run.graph.emplace(std::move(*graph));
   if (const Status tapped = Tap(run); !tapped) return Forward(tapped);
   return run;
-}
-
-// What the end of the graph means for the program.
-int Outcome(const graph::RunReport& report, std::size_t missing, const RunFolder& folder,
-            const std::string& hint) {
-  if (report.failure)
-    std::cerr << "turnlight: " << report.failure->node << ": " << report.failure->text << "\n";
-  if (missing > 0)
-    std::cerr << "turnlight: " << missing
-              << (missing == 1 ? " frame is missing" : " frames are missing")
-              << ", the others are safe; " << hint << std::endl;
-  else if (report.failure || Interrupted())
-    std::cerr << "turnlight: all frames are safe; " << hint << std::endl;
-  if (Interrupted()) return kInterrupted;
-  if (report.failure && report.failure->code == "device") return kDeviceFault;
-  return missing > 0 || report.failure || !folder.complete() ? kIncomplete : kDone;
-}
-
-// The closure check of a finished session; the exit code it leads to.
-int TellClosure(const fs::path& session) {
-  const auto check = rig::CheckClosure(session);
-  if (!check) return Fail(check.error());
-  if (!*check) return kDone;
-  std::cerr << ((*check)->closed ? "" : "turnlight: ") << "closure: " << (*check)->text
-            << std::endl;
-  return (*check)->closed ? kDone : kDeviceFault;
-}
-
-// A finished session to its goal. The result is solved from the session's files alone, so that it
-// is the one that `estimate` gives.
-int Finish(const RunFolder& folder, CaptureGoal goal,
-           const std::vector<nodes::Estimate>& estimates) {
-  const fs::path session = folder.session();
-  const int code = TellClosure(session);
-  if (goal == CaptureGoal::kSession) {
-    std::cout << session.string() << " is complete; turnlight estimate " << session.string()
-              << " --out " << folder.result().string() << " estimates the lights" << std::endl;
-    return code;
-  }
-  std::cerr << session.string() << " is complete; the final estimate starts anew from its frames"
-            << std::endl;
-  if (!estimates.empty()) {
-    Status status = MakeDirectory(folder.result());
-    if (status)
-      status = WriteFileAtomic(folder.result() / "progress.csv", ProgressTable(estimates));
-    if (!status) return Fail(status.error());
-  }
-  const auto done = EstimateSession(session, folder.result(), {});
-  if (!done) return Fail(done.error());
-  std::cout << done->summary << std::flush;
-  return code;
 }
 
 std::string ResumeHint(const RunFolder& folder) {
@@ -216,17 +151,64 @@ int FailIn(const RunFolder& folder, Error error) {
   return Fail(error);
 }
 
+// The folder of the run whose log it is.
+RunFolder SourceOf(const fs::path& log) { return RunFolder(fs::absolute(log).parent_path()); }
+
+std::string ReplayHint(const fs::path& log) {
+  return log.string() +
+         " has no more: that run was interrupted or resumed, and a log holds one run; " +
+         SourceOf(log).session().string() + " has what all runs together took";
+}
+
+// Runs the graph to its end, from a log if there is one; the exit code.
+int RunGraph(Prepared& run, const RunFolder& folder, const fs::path& log = {}) {
+  // In a replay there is no keyframe to wait for: what the log holds is there already.
+  const InterruptStopsGraph interrupt(
+      *run.graph, log.empty() ? graph::StopMode::kDrain : graph::StopMode::kNow);
+  graph::RunOptions options;
+  options.log = folder.NextLog();
+  const auto report = log.empty() ? run.graph->Run(options) : run.graph->Replay(log, options);
+  if (!report) return FailIn(folder, report.error());
+  run.display->End();
+  const auto& failure = report->failure;
+  const RunOutcome outcome{*report, failure && run.display->Showed(nodes::FaultLine(*failure)),
+                           run.recorder->Missing().size(), folder.complete(), Interrupted()};
+  const bool goes_on = log.empty() || outcome.interrupted;
+  std::cerr << OutcomeText(outcome, goes_on ? ResumeHint(folder) : ReplayHint(log)) << std::flush;
+  return ExitCodeOf(outcome);
+}
+
+// A finished session to its goal. The result is solved from the session's files alone, so that it
+// is the one that `estimate` gives.
+int Finish(const RunFolder& folder, CaptureGoal goal,
+           const std::vector<nodes::Estimate>& estimates) {
+  const fs::path session = folder.session();
+  if (goal == CaptureGoal::kSession) {
+    const auto closure = TellClosure(session);
+    if (!closure) return Fail(closure.error());
+    std::cout << session.string() << " is complete; turnlight estimate " << session.string()
+              << " --out " << folder.result().string() << " estimates the lights" << std::endl;
+    return ExitCodeOf(*closure);
+  }
+  std::cerr << session.string() << " is complete; the final estimate starts anew from its frames"
+            << std::endl;
+  if (!estimates.empty()) {
+    Status status = MakeDirectory(folder.result());
+    if (status)
+      status = WriteFileAtomic(folder.result() / "progress.csv", ProgressTable(estimates));
+    if (!status) return Fail(status.error());
+  }
+  const auto done = EstimateSession(session, folder.result(), {});
+  if (!done) return Fail(done.error());
+  std::cout << done->summary << std::flush;
+  return ExitCodeOf(done->closure);
+}
+
 int Capture(const fs::path& config, const RunFolder& folder, Start start, CaptureGoal goal) {
   auto run = Prepare(config, folder, start, goal);
   if (!run) return FailIn(folder, run.error());
   if (!run->recorder->Missing().empty()) {
-    const InterruptStopsGraph interrupt(*run->graph);
-    graph::RunOptions options;
-    options.log = folder.NextLog();
-    const auto report = run->graph->Run(options);
-    if (!report) return FailIn(folder, report.error());
-    run->display->End();
-    const int code = Outcome(*report, run->recorder->Missing().size(), folder, ResumeHint(folder));
+    const int code = RunGraph(*run, folder);
     if (code != kDone) return code;
   } else if (const Status status = run->recorder->Finish(); !status) {
     return FailIn(folder, status.error());
@@ -259,13 +241,14 @@ int ResumeCapture(const RunFolder& folder) {
   if (!goal) return Fail(goal.error());
   if (folder.complete() && (*goal == CaptureGoal::kSession || folder.estimated())) {
     std::cout << folder.root().string() << ": complete already, nothing is left to do" << std::endl;
-    return kDone;
+    const auto closure = TellClosure(folder.session());
+    return closure ? ExitCodeOf(*closure) : Fail(closure.error());
   }
   return Capture(folder.config(), folder, Start::kResume, *goal);
 }
 
 int ReplayCapture(const fs::path& log, const RunFolder& folder) {
-  const RunFolder source(fs::absolute(log).parent_path());
+  const RunFolder source = SourceOf(log);
   const auto config = ReadRunConfig(source.config());
   if (!config) return Fail(config.error());
   const auto goal = source.ReadGoal();
@@ -273,18 +256,7 @@ int ReplayCapture(const fs::path& log, const RunFolder& folder) {
   if (const Status status = CheckSameConfig(log, *config); !status) return Fail(status.error());
   auto run = Prepare(source.config(), folder, Start::kNew, *goal);
   if (!run) return Fail(run.error());
-  graph::RunOptions options;
-  options.log = folder.NextLog();
-  const auto report = run->graph->Replay(log, options);
-  if (!report) return Fail(report.error());
-  run->display->End();
-  const int code = Outcome(*report, run->recorder->Missing().size(), folder,
-                           log.string() +
-                               " has no more: that run was interrupted or resumed, and "
-                               "a log holds one run; " +
-                               source.session().string() +
-                               " has what all "
-                               "runs together took");
+  const int code = RunGraph(*run, folder, log);
   return code == kDone ? Finish(folder, *goal, run->display->estimates()) : code;
 }
 

@@ -3,20 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <functional>
 #include <string>
 
-#include "base/result.h"
-
 namespace turnlight::app {
-
-// Exit codes of the program.
-inline constexpr int kDone = 0;
-inline constexpr int kRefused = 2;     // usage, config or input
-inline constexpr int kIncomplete = 3;  // some frames lost, the rest kept
-inline constexpr int kDeviceFault = 4;
-inline constexpr int kInterrupted = 130;
 
 // Gives the exit code.
 using Action = std::function<int()>;
@@ -36,12 +26,5 @@ void AddConfig(CLI::App& program, Action& action);
 // A command with its help, an example below it, and --threads.
 CLI::App* AddCommand(CLI::App& program, const std::string& name, const std::string& description,
                      const std::string& example);
-
-// Prints the error on standard error and gives its exit code.
-int Fail(const Error& error);
-
-// Refuses (kInput) as a folder for output: a file, and a folder that is the session's or lies
-// within it, as raw data never changes. Creates nothing.
-Status CheckOutputFolder(const std::filesystem::path& out, const std::filesystem::path& session);
 
 }  // namespace turnlight::app

@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/run_config.h"
 #include "base/file.h"
-#include "nodes/graph/graph.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::app {
@@ -24,10 +24,8 @@ Status CheckRun(const std::string& file) {
   if (!config) return Forward(config);
   const auto rig = MakeRig(*config);
   if (!rig) return Forward(rig);
-  auto graph = graph::Graph::Build(
-      config->graph,
-      MakeRegistry(*rig, MakeKeyframesJob(*config, *rig, {}), nullptr, [](const std::string&) {}));
-  return graph ? graph->Configure() : Forward(graph);
+  const auto graph = BuildGraph(*config, *rig, {});
+  return graph ? Status() : Forward(graph);
 }
 
 int Check(const std::string& file) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/model_option.h"
 #include "app/session_estimate.h"
 

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
-#include "app/suggest.h"
 #include "app/version.h"
+#include "base/nearest.h"
 
 namespace turnlight::app {
 namespace {

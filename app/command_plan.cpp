@@ -3,6 +3,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/run_config.h"
 #include "base/format.h"
 #include "nodes/graph/draw.h"
@@ -37,22 +38,12 @@ std::string PlanText(const RunConfig& config, const Rig& rig) {
                 static_cast<double>(estimate.bytes_per_frame) * 1e-6);
 }
 
-// Built and given its params, but nothing runs.
-Result<graph::Graph> CheckedGraph(const RunConfig& config, const Rig& rig) {
-  auto graph = graph::Graph::Build(
-      config.graph,
-      MakeRegistry(rig, MakeKeyframesJob(config, rig, {}), nullptr, [](const std::string&) {}));
-  if (!graph) return graph;
-  if (const Status status = graph->Configure(); !status) return Forward(status);
-  return graph;
-}
-
 int Plan(const std::string& file) {
   const auto config = ReadRunConfig(file);
   if (!config) return Fail(config.error());
   const auto rig = MakeRig(*config);
   if (!rig) return Fail(rig.error());
-  if (const auto graph = CheckedGraph(*config, *rig); !graph) return Fail(graph.error());
+  if (const auto graph = BuildGraph(*config, *rig, {}); !graph) return Fail(graph.error());
   std::cout << PlanText(*config, *rig) << std::flush;
   return kDone;
 }
@@ -62,7 +53,7 @@ int Draw(const std::string& file, bool dot) {
   if (!config) return Fail(config.error());
   const auto rig = MakeRig(*config);
   if (!rig) return Fail(rig.error());
-  const auto graph = CheckedGraph(*config, *rig);
+  const auto graph = BuildGraph(*config, *rig, {});
   if (!graph) return Fail(graph.error());
   std::cout << (dot ? graph::DrawDot(graph->parts()) : graph::DrawText(graph->parts()))
             << std::flush;

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/output_folder.h"
 #include "app/progress.h"
 #include "app/scene_overrides.h"
 #include "base/file.h"

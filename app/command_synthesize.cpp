@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "rig/sim/synthetic_config.h"

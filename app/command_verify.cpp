@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "rig/capture/closure_check.h"
 #include "rig/session/session.h"

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <csignal>
 
-#include "app/command.h"
+#include "app/exit_code.h"
 
 namespace turnlight::app {
 namespace {
@@ -19,20 +19,23 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 
 std::atomic<graph::Graph*> stopped_graph{nullptr};
 std::atomic<int> presses{0};  // while there is a graph to stop
+std::atomic<bool> first_stops_now{false};
 static_assert(std::atomic<graph::Graph*>::is_always_lock_free, "a signal handler may touch it");
+
+[[noreturn]] void EndNow() {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
+  ::_exit(kInterrupted);
+}
 
 void HandleInterrupt(int signal) {
   const bool second = interrupted.exchange(true);
   if (graph::Graph* graph = stopped_graph.load()) {
     const int press = presses.fetch_add(1) + 1;
-    const bool now = press > 1 || signal == SIGTERM;
+    const bool now = press > 1 || signal == SIGTERM || first_stops_now.load();
     graph->RequestStop(now ? graph::StopMode::kNow : graph::StopMode::kDrain);
     if (press < 3) return;
   }
-  if (second || at_once.load() > 0) {
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
-    ::_exit(kInterrupted);
-  }
+  if (second || at_once.load() > 0) EndNow();
 }
 
 }  // namespace
@@ -46,13 +49,17 @@ void InstallInterruptHandler() {
 
 bool Interrupted() { return interrupted.load(); }
 
-InterruptAtOnce::InterruptAtOnce() { ++at_once; }
+InterruptAtOnce::InterruptAtOnce() {
+  ++at_once;
+  if (interrupted) EndNow();  // it came before, while something was being written
+}
 InterruptAtOnce::~InterruptAtOnce() { --at_once; }
 
-InterruptStopsGraph::InterruptStopsGraph(graph::Graph& graph) {
+InterruptStopsGraph::InterruptStopsGraph(graph::Graph& graph, graph::StopMode first) {
   presses = 0;
+  first_stops_now = first == graph::StopMode::kNow;
   stopped_graph = &graph;
-  if (interrupted) graph.RequestStop(graph::StopMode::kDrain);  // it came before there was a graph
+  if (interrupted) graph.RequestStop(first);  // it came before there was a graph
   struct sigaction action {};
   action.sa_handler = HandleInterrupt;
   action.sa_flags = SA_RESTART;

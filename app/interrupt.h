@@ -11,7 +11,8 @@ void InstallInterruptHandler();
 // Whether Ctrl-C was pressed; commands look between two frames.
 bool Interrupted();
 
-// While one lives, nothing is being written, and Ctrl-C ends the program at once.
+// While one lives, nothing is being written, and Ctrl-C ends the program at once; so does one that
+// came before.
 class InterruptAtOnce {
  public:
   InterruptAtOnce();
@@ -20,11 +21,11 @@ class InterruptAtOnce {
   InterruptAtOnce& operator=(const InterruptAtOnce&) = delete;
 };
 
-// While one lives, Ctrl-C stops the graph: the first in order, the second now; SIGTERM now. The
+// While one lives, Ctrl-C stops the graph: the first as asked for, the second now; SIGTERM now. The
 // third ends the program at once. One at a time; the graph must outlive it.
 class InterruptStopsGraph {
  public:
-  explicit InterruptStopsGraph(graph::Graph& graph);
+  InterruptStopsGraph(graph::Graph& graph, graph::StopMode first);
   ~InterruptStopsGraph();
   InterruptStopsGraph(const InterruptStopsGraph&) = delete;
   InterruptStopsGraph& operator=(const InterruptStopsGraph&) = delete;

@@ -12,6 +12,8 @@ namespace {
 constexpr double kTerminalPeriod = 0.1;  // seconds
 constexpr double kPlainPeriod = 10.0;
 
+}  // namespace
+
 std::string TimeLeft(double seconds) {
   const auto s = static_cast<long>(std::ceil(seconds));
   char text[48];
@@ -23,8 +25,6 @@ std::string TimeLeft(double seconds) {
     std::snprintf(text, sizeof text, "%ld h %02ld min left", s / 3600, s / 60 % 60);
   return text;
 }
-
-}  // namespace
 
 Progress::Progress(std::string label, std::size_t total)
     : label_(std::move(label)),

@@ -9,6 +9,9 @@
 
 namespace turnlight::app {
 
+// "8 s left", "3 min 18 s left", "2 h 46 min left".
+std::string TimeLeft(double seconds);
+
 class Progress {
  public:
   // What is done to each, such as "rendering", and how many there are.

@@ -6,11 +6,7 @@
 
 #include "base/file.h"
 #include "base/sha256.h"
-#include "nodes/camera_node.h"
-#include "nodes/estimator_node.h"
-#include "nodes/logger_node.h"
-#include "nodes/recorder_node.h"
-#include "nodes/turntable_node.h"
+#include "nodes/capture_nodes.h"
 #include "rig/sim/blob.h"
 
 namespace turnlight::app {
@@ -72,14 +68,10 @@ rig::SensorNoise NoiseOf(const rig::MockCamera& camera) {
   return noise;
 }
 
-Result<rig::Target> TargetOf(const calib::TargetShape& shape, const std::filesystem::path& folder) {
-  if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return rig::Target(*sphere);
-  if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return rig::Target(*plane);
-  const std::filesystem::path path = folder / "target.ply";
-  const auto& mesh = std::get<calib::MeshShape>(shape);
-  if (const Status status = WriteFileAtomic(path, rig::MeshToPly(mesh)); !status)
-    return Forward(status);
-  return rig::Target(rig::MeshFile{path.string()});
+rig::CaptureTarget TargetOf(const calib::TargetShape& shape) {
+  if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return *sphere;
+  if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return *plane;
+  return rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(std::get<calib::MeshShape>(shape))};
 }
 
 }  // namespace
@@ -127,57 +119,47 @@ Result<Rig> MakeRig(const RunConfig& config) {
   return rig;
 }
 
-Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& rig,
-                                           const std::filesystem::path& folder) {
-  const rig::Studio& studio = rig.camera->studio();
-  auto target = TargetOf(studio.target, folder);
-  if (!target) return Forward(target);
-  const auto camera_identity = rig.camera->Open(rig::DeviceTime(0));
-  if (!camera_identity) return Forward(camera_identity);
-  const auto table_identity = rig.table->Open(rig::DeviceTime(0));
-  if (!table_identity) return Forward(table_identity);
-  return rig::CaptureSetup{config.plan,   config.text,       config.name,    "mm",
-                           studio.camera, studio.radiometry, std::nullopt,   std::move(*target),
-                           rig.format,    *camera_identity,  *table_identity};
+Result<RigIdentity> OpenRig(const Rig& rig) {
+  const auto camera = rig.camera->Open(rig::DeviceTime(0));
+  if (!camera) return Forward(camera);
+  const auto table = rig.table->Open(rig::DeviceTime(0));
+  if (!table) return Forward(table);
+  return RigIdentity{*camera, *table};
 }
 
-nodes::KeyframesJob MakeKeyframesJob(const RunConfig& config, const Rig& rig,
-                                     std::vector<rig::PlannedFrame> frames) {
+rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
+                                   const RigIdentity& identity) {
+  const rig::Studio& studio = rig.camera->studio();
+  return {.plan = config.plan,
+          .config_text = config.text,
+          .name = config.name,
+          .length_unit = "mm",
+          .camera = studio.camera,
+          .radiometry = studio.radiometry,
+          .bayer = std::nullopt,
+          .target = TargetOf(studio.target),
+          .format = rig.format,
+          .camera_identity = identity.camera,
+          .table_identity = identity.table};
+}
+
+Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use) {
+  const rig::Studio& studio = rig.camera->studio();
   nodes::KeyframesJob job;
   job.plan = config.plan;
-  job.frames = std::move(frames);
-  job.radiometry = rig.camera->studio().radiometry;
-  return job;
-}
-
-graph::NodeRegistry MakeRegistry(const Rig& rig, const nodes::KeyframesJob& job,
-                                 std::shared_ptr<rig::SessionRecorder> recorder,
-                                 std::function<void(const std::string&)> log_line) {
-  graph::NodeRegistry registry;
-  registry.Add("turntable",
-               [table = rig.table] { return std::make_unique<nodes::TurntableNode>(table); });
-  registry.Add("camera",
-               [camera = rig.camera] { return std::make_unique<nodes::CameraNode>(camera); });
-  registry.Add("keyframes", [job] { return std::make_unique<nodes::KeyframesNode>(job); });
-  registry.Add("calibration", [camera = rig.camera, noise = rig.noise, plan = job.plan] {
-    const rig::Studio& studio = camera->studio();
-    calib::Radiometry raw = studio.radiometry;
-    raw.reference_exposure_us = plan.exposures_us.front();
-    raw.reference_gain_db = plan.gain_db;
-    return std::make_unique<nodes::CalibrationNode>(nodes::RigCalibration{
-        studio.camera, raw,
-        rig::SessionRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db), noise,
-        [camera](double angle_deg) {
-          const rig::Placement placed = camera->PlacementAt(angle_deg);
-          return nodes::CameraAndTarget{placed.X_WC, placed.X_WT};
-        }});
-  });
-  registry.Add("recorder", [recorder] { return std::make_unique<nodes::RecorderNode>(recorder); });
-  registry.Add("estimator", [camera = rig.camera] {
-    return std::make_unique<nodes::EstimatorNode>(camera->studio().target);
-  });
-  registry.Add("logger", [log_line] { return std::make_unique<nodes::LoggerNode>(log_line); });
-  return registry;
+  job.frames = std::move(use.frames);
+  job.radiometry = studio.radiometry;
+  auto graph = graph::Graph::Build(
+      config.graph,
+      nodes::CaptureNodes({rig.table, rig.camera, std::move(job), studio.camera, rig.noise,
+                           [camera = rig.camera](double angle_deg) {
+                             const rig::Placement placed = camera->PlacementAt(angle_deg);
+                             return nodes::CameraAndTarget{placed.X_WC, placed.X_WT};
+                           },
+                           studio.target, std::move(use.recorder), std::move(use.log_line)}));
+  if (!graph) return graph;
+  if (const Status status = graph->Configure(); !status) return Forward(status);
+  return graph;
 }
 
 void RemoveNodes(graph::GraphConfig& graph, const std::string& type) {

@@ -17,11 +17,10 @@
 #include <vector>
 
 #include "base/result.h"
-#include "nodes/calibration_node.h"
 #include "nodes/graph/config.h"
-#include "nodes/graph/registry.h"
-#include "nodes/keyframes_node.h"
+#include "nodes/graph/graph.h"
 #include "rig/capture/capture_plan.h"
+#include "rig/capture/exposure_merge.h"
 #include "rig/capture/session_recorder.h"
 #include "rig/sim/fault_script.h"
 #include "rig/sim/mock_camera.h"
@@ -53,18 +52,25 @@ struct Rig {
 };
 Result<Rig> MakeRig(const RunConfig& config);
 
-// What the recorder needs to know; opens the devices to learn who they are. folder: where a target
-// that is a mesh is written to, for the recorder to copy.
-Result<rig::CaptureSetup> MakeCaptureSetup(const RunConfig& config, const Rig& rig,
-                                           const std::filesystem::path& folder);
+struct RigIdentity {
+  rig::DeviceIdentity camera, table;
+};
+// Opens the devices; a graph takes them open. Fails (kDevice) with the device's name.
+Result<RigIdentity> OpenRig(const Rig& rig);
 
-nodes::KeyframesJob MakeKeyframesJob(const RunConfig& config, const Rig& rig,
-                                     std::vector<rig::PlannedFrame> frames);
+// What the recorder needs to know.
+rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
+                                   const RigIdentity& identity);
 
-// The node types that a config may name. recorder may be null: for drawing.
-graph::NodeRegistry MakeRegistry(const Rig& rig, const nodes::KeyframesJob& job,
-                                 std::shared_ptr<rig::SessionRecorder> recorder,
-                                 std::function<void(const std::string&)> log_line);
+// What a graph is for; by default for being checked and drawn.
+struct GraphUse {
+  std::vector<rig::PlannedFrame> frames;  // still to be taken
+  std::shared_ptr<rig::SessionRecorder> recorder;
+  std::function<void(const std::string&)> log_line = [](const std::string&) {};
+};
+// Built and given its params; nothing runs. Fails (kInput) with file, line, key and what is
+// allowed.
+Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use);
 
 // Takes the nodes of a type out, with their connections and records.
 void RemoveNodes(graph::GraphConfig& graph, const std::string& type);

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "app/suggest.h"
 #include "base/angles.h"
+#include "base/nearest.h"
 
 namespace turnlight::app {
 namespace {

@@ -5,8 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/command.h"
+#include "app/closure.h"
 #include "app/interrupt.h"
+#include "app/output_folder.h"
 #include "app/pictures_out.h"
 #include "app/progress.h"
 #include "app/result_json.h"
@@ -14,7 +15,6 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "estimator/estimate.h"
-#include "rig/capture/closure_check.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
 
@@ -124,6 +124,7 @@ struct Computed {
   std::vector<estimator::Keyframe> keyframes;
   estimator::Geometry geometry;
   estimator::EstimateOutput output;
+  std::optional<rig::ClosureCheck> closure;
   double load_s = 0.0;
 };
 
@@ -147,15 +148,15 @@ Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstim
     if (!paper) return Forward(paper);
     estimator_options->paper = *paper;
   }
+  auto closure = TellClosure(folder);
+  if (!closure) return Forward(closure);
   const double load_s = SecondsSince(start);
   auto output = estimator::EstimateScene(*keyframes, geometry, rays, *estimator_options);
   if (!output) return Forward(output);
-  const auto closure = rig::CheckClosure(folder);
-  if (!closure) return Forward(closure);
   if (*closure && !(*closure)->closed)
     output->estimate.notes.push_back({"closure-open", (*closure)->text});
   return Computed{std::move(*session), std::move(*keyframes), std::move(geometry),
-                  std::move(*output), load_s};
+                  std::move(*output),  std::move(*closure),   load_s};
 }
 
 }  // namespace
@@ -178,6 +179,7 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& session,
   }
   const RunTimes times{computed->load_s, SecondsSince(start)};
   SessionEstimate done;
+  done.closure = computed->closure;
   done.json = ResultToJson(estimate, computed->session.name, options.method, times).dump(1) + "\n";
   if (const Status status = WriteFileAtomic(out / "result.json", done.json); !status)
     return Forward(status);

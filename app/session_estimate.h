@@ -8,6 +8,7 @@
 
 #include "base/result.h"
 #include "estimator/model_choice.h"
+#include "rig/capture/closure_check.h"
 
 namespace turnlight::app {
 
@@ -26,9 +27,11 @@ struct SessionEstimateOptions {
 struct SessionEstimate {
   std::string json;     // result.json, as written
   std::string summary;  // for a person, ended with what was written
+  std::optional<rig::ClosureCheck> closure;
 };
 
-// Creates out. Fails with kNoEstimate if the session gives none, in words that say what to do.
+// Creates out. Says the verdict of the closure check before the long part. Fails with kNoEstimate
+// if the session gives none, in words that say what to do.
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& session,
                                         const std::filesystem::path& out,
                                         const SessionEstimateOptions& options);

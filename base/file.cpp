@@ -42,14 +42,8 @@ class Descriptor {
 // A failed fsync is final: the kernel may have thrown the data away, and a second fsync would say
 // that all is well.
 Status WriteAndSync(int fd, std::string_view bytes, const fs::path& path, FileOps& ops) {
-  while (!bytes.empty()) {
-    const ssize_t n = ops.Write(fd, bytes.data(), bytes.size());
-    if (n < 0) {
-      if (errno == EINTR) continue;
-      return SystemError(path.string() + ": cannot write: " + ErrnoText());
-    }
-    bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
+  if (!WriteAll(fd, bytes, ops))
+    return SystemError(path.string() + ": cannot write: " + ErrnoText());
   if (ops.Sync(fd) != 0) return SystemError(path.string() + ": fsync failed: " + ErrnoText());
   return {};
 }
@@ -89,6 +83,17 @@ std::int64_t FileOps::FreeBytes(const char* path) {
 FileOps& SystemFileOps() {
   static FileOps ops;
   return ops;
+}
+
+bool WriteAll(int fd, std::string_view bytes, FileOps& ops) {
+  while (!bytes.empty()) {
+    const ssize_t count = ops.Write(fd, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 0) errno = EIO;  // no progress, and no reason given
+    if (count <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
 }
 
 Result<std::string> ReadFile(const fs::path& path, std::uint64_t max_bytes) {

@@ -35,6 +35,9 @@ class FileOps {
 };
 FileOps& SystemFileOps();
 
+// Writes all of the bytes, going on after a short write or a signal. False with errno set.
+bool WriteAll(int fd, std::string_view bytes, FileOps& ops = SystemFileOps());
+
 // Reads a regular file. Fails (kInput) if it is missing, not a regular file, or larger than
 // max_bytes.
 Result<std::string> ReadFile(const std::filesystem::path& path,

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -33,14 +32,7 @@ bool IsTheFileAt(int fd, const std::filesystem::path& path) {
 }
 
 Status WriteHolder(int fd, const std::filesystem::path& path, FileOps& ops) {
-  const std::string text = DescribeThisProcess() + "\n";
-  std::size_t done = 0;
-  ssize_t n = ops.Truncate(fd, 0);
-  while (n >= 0 && done < text.size()) {
-    n = ops.Write(fd, text.data() + done, text.size() - done);
-    done += static_cast<std::size_t>(std::max<ssize_t>(n, 0));
-  }
-  if (n >= 0) return {};
+  if (ops.Truncate(fd, 0) == 0 && WriteAll(fd, DescribeThisProcess() + "\n", ops)) return {};
   return SystemError(path.string() + ": cannot write the lock: " + std::strerror(errno));
 }
 

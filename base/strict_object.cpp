@@ -225,6 +225,7 @@ const json* StrictObject::Find(std::string_view key, bool required) {
   if (!value_->is_object()) return nullptr;
   const auto found = value_->find(std::string(key));
   if (found != value_->end()) return &*found;
+  if (required && !error_) missing_ = key;
   if (required) RefuseText(key, "this key is missing");
   return nullptr;
 }
@@ -387,15 +388,17 @@ void StrictObject::AllowPrefix(std::string prefix) { prefixes_.push_back(std::mo
 void StrictObject::Ignore(std::string_view key) { known_.emplace(key); }
 
 Status StrictObject::Finish() {
-  if (error_) return tl::unexpected<Error>(*error_);
+  if (error_ && missing_.empty()) return tl::unexpected<Error>(*error_);
   for (const auto& entry : value_->items()) {
     bool allowed = known_.contains(entry.key());
     for (const std::string& prefix : prefixes_) allowed |= entry.key().starts_with(prefix);
+    // Of a missing key only its misspelling is of interest: others may not have been asked for yet.
+    if (error_) allowed |= Nearest(entry.key(), std::vector<std::string>{missing_}).empty();
     if (!allowed)
       return InputError(Where(entry.key()) + ": unknown key, allowed are " +
                         Join({known_.begin(), known_.end()}) + DidYouMean(entry.key(), known_));
   }
-  return {};
+  return error_ ? Status(tl::unexpected<Error>(*error_)) : Status();
 }
 
 }  // namespace turnlight

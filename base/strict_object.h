@@ -90,7 +90,8 @@ class StrictObject {
   void RefuseText(std::string_view key, std::string_view text);
   bool ok() const { return !error_; }
 
-  // The first refusal, or the first unknown key, or success.
+  // The first refusal, or the first unknown key, or success. Instead of a missing key its
+  // misspelling is named, if it is there.
   Status Finish();
   // "FILE: KEY" or "FILE:LINE: KEY" for messages about this object's key.
   std::string Where(std::string_view key) const;
@@ -105,6 +106,7 @@ class StrictObject {
   std::set<std::string, std::less<>> known_;
   std::vector<std::string> prefixes_;
   std::optional<Error> error_;
+  std::string missing_;  // if that is what the error says
 };
 
 }  // namespace turnlight

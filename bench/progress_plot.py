@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Draws, as SVG, how the estimates of runs on a simulated rig get better as keyframes come: error
-against the truth (solid) and stated sigma_total (dashed) of each light's direction and distance.
+"""How the estimates of runs on a simulated rig get better as keyframes come: prints a table of the
+errors against the truth and of the stated sigma_total, and draws both as SVG.
 
   turnlight run configs/simulated_orbit.yaml --out simulated_orbit
   turnlight run configs/simulated_turntable.yaml --out simulated_turntable
-  bench/progress_plot.py docs/progress.svg simulated_orbit simulated_turntable
+  bench/progress_plot.py --svg docs/progress.svg simulated_orbit simulated_turntable
+
+Usage: bench/progress_plot.py [--svg FILE] RUN...
 """
 import csv
 import json
@@ -17,7 +19,8 @@ COLOURS = ["#1b6ca8", "#c8553d", "#3a7d44", "#7d5ba6"]
 
 
 def curves(run):
-    """Per light: keyframes, direction error and sigma (deg), distance error and sigma (%)."""
+    """Per light: keyframes, direction error and sigma (deg), distance error and sigma (%; None if
+    the light is infinitely far)."""
     with open(os.path.join(run, "session", "truth.json")) as file:
         truth = json.load(file)["lights"]
     lights = [[] for _ in truth]
@@ -31,14 +34,17 @@ def curves(run):
                 int(row["keyframes"]),
                 math.degrees(math.acos(min(1.0, cosines[nearest]))),
                 float(row["direction_sigma_deg"]),
-                100 * abs(float(row["inverse_distance"]) / true_rho - 1),
-                100 * float(row["inverse_distance_sigma"]) / true_rho))
+                100 * abs(float(row["inverse_distance"]) / true_rho - 1) if true_rho else None,
+                100 * float(row["inverse_distance_sigma"]) / true_rho if true_rho else None))
     return lights
 
 
 def panel(title, unit, lights, column, left, top):
     """Error in `column`, sigma in the next; logarithmic upwards."""
+    lights = [[point for point in light if point[column] is not None] for light in lights]
     values = [point[c] for light in lights for point in light for c in (column, column + 1)]
+    if not values:
+        return [f'<text x="{left + MARGIN}" y="{top + 18}">{title}: no light has one</text>']
     low = math.floor(math.log10(max(min(values), 1e-5)))
     high = math.ceil(math.log10(max(values)))
     last = max(point[0] for light in lights for point in light)
@@ -65,7 +71,32 @@ def panel(title, unit, lights, column, left, top):
     return svg
 
 
-def main(out, *runs):
+def measure(error, sigma, unit):
+    """An error in its unit and in sigmas."""
+    if error is None:
+        return "infinitely far"
+    return f"{error:.2g}{unit} ({error / sigma:.1f} sigma)" if sigma > 0 else f"{error:.2g}{unit}"
+
+
+def table(runs):
+    """Markdown: of every light the last estimate, and the largest error on the way in sigmas."""
+    rows = ["| run | light | keyframes | direction | distance | largest on the way |",
+            "|---|---|---|---|---|---|"]
+    for run in runs:
+        for number, light in enumerate(curves(run), 1):
+            name = os.path.basename(os.path.normpath(run))
+            if not light:
+                rows.append(f"| `{name}` | {number} | | not found | | |")
+                continue
+            last = light[-1]
+            worst = max(point[c] / point[c + 1] for point in light for c in (1, 3)
+                        if point[c] is not None and point[c + 1] > 0)
+            rows.append(f"| `{name}` | {number} | {last[0]} | {measure(last[1], last[2], '°')} | "
+                        f"{measure(last[3], last[4], ' %')} | {worst:.1f} sigma |")
+    return "\n".join(rows)
+
+
+def draw(out, runs):
     svg = []
     for row, run in enumerate(runs):
         lights = curves(run)
@@ -81,7 +112,16 @@ def main(out, *runs):
                    f'<rect width="100%" height="100%" fill="white"/>' + "\n".join(svg) + "</svg>\n")
 
 
-if __name__ == "__main__":
-    if len(sys.argv) < 3:
+def main(arguments):
+    out = None
+    if len(arguments) > 1 and arguments[0] == "--svg":
+        out, arguments = arguments[1], arguments[2:]
+    if not arguments or arguments[0].startswith("-"):
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    print(table(arguments))
+    if out:
+        draw(out, arguments)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -10,13 +10,6 @@ Status CameraNode::Configure(StrictObject& params) {
   return {};
 }
 
-Status CameraNode::Start() {
-  const auto identity = camera_->Open(clock_.Now());
-  reopen_ = !identity;  // it may come back: the first exposure tries again
-  if (!identity) ReportFault("device", identity.error().text);
-  return {};
-}
-
 Status CameraNode::OnGoal(const graph::Message<graph::ActionGoal<ExposeGoal>>& goal) {
   const graph::Time now = clock_.Now();
   if (const Status status = Begin(goal->goal, now); !status) {

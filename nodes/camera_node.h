@@ -15,9 +15,9 @@ namespace turnlight::nodes {
 
 class CameraNode : public graph::Node {
  public:
+  // The camera is open when the graph starts; one that is lost later is opened again.
   explicit CameraNode(std::shared_ptr<rig::Camera> camera) : camera_(std::move(camera)) {}
   Status Configure(StrictObject& params) override;
-  Status Start() override;
 
  private:
   Status OnGoal(const graph::Message<graph::ActionGoal<ExposeGoal>>& goal);
@@ -30,7 +30,7 @@ class CameraNode : public graph::Node {
   graph::ActionServer<Expose> expose_{this, "expose", &CameraNode::OnGoal};
   std::shared_ptr<rig::Camera> camera_;
   graph::Duration poll_period_{};
-  bool reopen_ = true;
+  bool reopen_ = false;
   std::uint64_t trigger_ = 0;
   std::int64_t drained_ = 0;
   graph::Time triggered_at_{}, deadline_{};

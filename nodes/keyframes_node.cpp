@@ -4,18 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include "base/format.h"
 #include "nodes/frame_proof.h"
 
 namespace turnlight::nodes {
 namespace {
 
 graph::Duration FromSeconds(double seconds) { return graph::FromMs(seconds * 1e3); }
-
-std::string Label(const rig::PlannedFrame& frame) {
-  return Format("%s %zu (%.6g deg)", frame.closure ? "closure frame" : "frame", frame.index,
-                frame.angle_deg);
-}
 
 }  // namespace
 
@@ -161,7 +155,7 @@ Status KeyframesNode::Accept() {
 Status KeyframesNode::Reject(ErrorKind kind, const std::string& why) {
   timer_.Cancel();
   bracket_.rejected.push_back(why);
-  const std::string text = Label(Frame()) + ", attempt " + std::to_string(bracket_.attempts) +
+  const std::string text = rig::Label(Frame()) + ", attempt " + std::to_string(bracket_.attempts) +
                            " of " + std::to_string(job_.plan.retries + 1) + ": " + why;
   if (bracket_.attempts > job_.plan.retries)
     return tl::unexpected<Error>(

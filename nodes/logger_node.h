@@ -10,6 +10,10 @@
 
 namespace turnlight::nodes {
 
+inline std::string FaultLine(const graph::Fault& fault) {
+  return fault.node + ": " + fault.code + ": " + fault.text;
+}
+
 class LoggerNode : public graph::Node {
  public:
   // Called on the node's thread; must not throw.
@@ -18,7 +22,7 @@ class LoggerNode : public graph::Node {
 
  private:
   Status OnFault(const graph::Message<graph::Fault>& fault) {
-    sink_(fault->node + ": " + fault->code + ": " + fault->text);
+    sink_(FaultLine(*fault));
     return {};
   }
 

@@ -19,10 +19,9 @@ Status RecorderNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
                        bracket.attempts,
                        bracket.rejected,
                        {}};
-  for (const Frame& frame : bracket.exposures) {
-    record.provenance.counters.emplace_back("frame_id", static_cast<std::int64_t>(frame.frame_id));
-    record.provenance.counters.emplace_back("drained", frame.drained);
-  }
+  for (const Frame& frame : bracket.exposures)
+    record.provenance.counters.push_back(
+        {{"frame_id", static_cast<std::int64_t>(frame.frame_id)}, {"drained", frame.drained}});
   if (Status status = recorder_->Add(record); !status) return status;
   const std::size_t missing = recorder_->Missing().size();
   stored_.Publish({bracket.index, missing}, keyframe.header.valid_at);

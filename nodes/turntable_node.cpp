@@ -23,9 +23,6 @@ Status TurntableNode::Configure(StrictObject& params) {
 }
 
 Status TurntableNode::Start() {
-  // A table that cannot be opened now may come back: reading it tries again.
-  if (const auto identity = table_->Open(clock_.Now()); !identity)
-    ReportFault("device", identity.error().text);
   poll_.Every(poll_period_);
   return {};
 }

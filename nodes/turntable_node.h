@@ -17,6 +17,7 @@ namespace turnlight::nodes {
 
 class TurntableNode : public graph::Node {
  public:
+  // The table is open when the graph starts; one that is lost later is opened again.
   explicit TurntableNode(std::shared_ptr<rig::Turntable> table) : table_(std::move(table)) {}
   Status Configure(StrictObject& params) override;
   Status Start() override;

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/file.h"
 #include "nodes/graph/crc32c.h"
 #include "nodes/graph/log.h"
 #include "nodes/graph/log_format.h"
@@ -115,12 +116,8 @@ void LogWriter::WriteRecord() {
 }
 
 void LogWriter::Write(std::string_view bytes) {
-  while (!bytes.empty() && !failed()) {
-    const ssize_t count = ::write(fd_, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return Fail(std::string("cannot write: ") + std::strerror(errno));
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
+  if (!failed() && !WriteAll(fd_, bytes))
+    Fail(std::string("cannot write: ") + std::strerror(errno));
 }
 
 void LogWriter::Sync() {

@@ -5,6 +5,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "rig/session/session.h"
+
 namespace turnlight::rig {
 namespace {
 
@@ -169,6 +171,10 @@ Result<CapturePlan> ParseCapturePlan(StrictObject object) {
     if (const auto problem = Validate(plan)) object.RefuseText(problem->key, problem->text);
   if (const Status status = object.Finish(); !status) return Forward(status);
   return plan;
+}
+
+std::string Label(const PlannedFrame& planned) {
+  return FrameLabel(planned.index, planned.angle_deg, planned.closure);
 }
 
 std::vector<PlannedFrame> PlannedFrames(const CapturePlan& plan) {

@@ -70,6 +70,8 @@ struct PlannedFrame {
   double angle_deg = 0.0;  // commanded; not wrapped: 0, 10, ... 350, closure 360; cw: 0, -10, ...
   bool closure = false;
 };
+// "frame 3 (30.0 deg)", or "closure frame (360.0 deg)".
+std::string Label(const PlannedFrame& planned);
 // In order of capture. plan must be valid, here and below.
 std::vector<PlannedFrame> PlannedFrames(const CapturePlan& plan);
 

@@ -14,7 +14,7 @@ namespace turnlight::rig {
 namespace {
 
 std::string Describe(const ClosureCheck& check) {
-  if (check.difference.block_share == 0.0) return "the pictures are too dark to be compared";
+  if (check.difference.blocks == 0) return "the pictures are too dark to be compared";
   const std::string text = Format(
       "the picture at %.10g\u00b0 differs from the one at %.10g\u00b0 by %.2g %%, %.2g "
       "times what noise explains; ",
@@ -55,9 +55,8 @@ Result<std::optional<ClosureCheck>> CheckClosure(const std::filesystem::path& se
   check.first_deg = journal->header.angles_deg.front();
   check.closure_deg = *journal->header.closure_deg;
   check.difference = CompareFrames(*first_image, *closure_image, read->radiometry);
-  check.closed =
-      check.difference.block_share > 0.0 && (check.difference.block_sigmas <= kClosureSigmas ||
-                                             check.difference.block_share <= kClosureShare);
+  check.closed = check.difference.blocks > 0 && (check.difference.block_sigmas <= kClosureSigmas ||
+                                                 check.difference.block_share <= kClosureShare);
   check.text = Describe(check);
   return check;
 }

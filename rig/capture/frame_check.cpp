@@ -50,7 +50,6 @@ template <typename Counts>
 void CompareBlocks(const cv::Mat1f& a, const cv::Mat1f& b, int channels, const Counts& counts,
                    FrameDifference& result) {
   double sum_sigmas = 0.0, sum_squares = 0.0, sum_levels = 0.0;
-  int blocks = 0;
   const int width = kBlock * channels;
   for (int top = 0; top < a.rows; top += kBlock)
     for (int left = 0; left < a.cols; left += width) {
@@ -64,13 +63,13 @@ void CompareBlocks(const cv::Mat1f& a, const cv::Mat1f& b, int channels, const C
           ++values;
         }
       if (2 * values < kBlock * width) continue;
-      ++blocks;
+      ++result.blocks;
       sum_sigmas += difference * difference / values / (result.noise_rms * result.noise_rms);
       sum_squares += difference * difference / values / values;
       sum_levels += level * level / values / values;
     }
-  if (blocks == 0) return;
-  result.block_sigmas = std::sqrt(sum_sigmas / blocks);
+  if (result.blocks == 0) return;
+  result.block_sigmas = std::sqrt(sum_sigmas / result.blocks);
   result.block_share = std::sqrt(sum_squares / sum_levels);
 }
 

@@ -49,7 +49,8 @@ struct FrameDifference {
   // The same of means over blocks of 8 x 8 pixels and all channels, in which noise averages out
   // and what has moved does not: the differences' rms in units of what noise explains, about 1 for
   // two pictures of the same view; and their rms as a share of the blocks' rms level. Blocks that
-  // are lit in half of their pixels count; without any both are 0.
+  // are lit in half of their pixels count; without any (`blocks` is 0) nothing was compared.
+  int blocks = 0;
   double block_sigmas = 0.0;
   double block_share = 0.0;
 };

@@ -46,6 +46,8 @@ std::string PrintRunLine(const RunProvenance& run, const JournalHeader& header, 
 }
 
 std::string PrintKeyframeLine(const KeyframeProvenance& provenance, const JournalEntry& entry) {
+  ordered_json counters = ordered_json::array();
+  for (const auto& of_exposure : provenance.counters) counters.push_back(ToObject(of_exposure));
   return Line({{"kind", "keyframe"},
                {"index", entry.index},
                {"angle_deg", entry.frame.angle_deg.value_or(0.0)},
@@ -55,7 +57,7 @@ std::string PrintKeyframeLine(const KeyframeProvenance& provenance, const Journa
                {"exposure_end_s", Seconds(provenance.exposure_end)},
                {"attempts", provenance.attempts},
                {"rejected", provenance.rejected},
-               {"counters", ToObject(provenance.counters)},
+               {"counters", counters},
                {"sha256", entry.frame.sha256.value_or("")}});
 }
 

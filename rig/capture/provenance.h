@@ -29,7 +29,8 @@ struct KeyframeProvenance {
   DeviceTime exposure_begin{}, exposure_end{};  // first and last, since the run's start
   int attempts = 1;
   std::vector<std::string> rejected;  // why, one text per attempt that failed
-  std::vector<std::pair<std::string, std::int64_t>> counters;  // of the devices: frame ids, drops
+  // Of the devices, for each exposure: frame ids, drops.
+  std::vector<std::vector<std::pair<std::string, std::int64_t>>> counters;
 };
 
 // The line of a run: program, config, devices, hashes. kept and dropped: of a resume, else 0 and

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "base/sha256.h"
@@ -45,10 +44,8 @@ std::string StemOf(const CaptureSetup& setup, const PlannedFrame& planned) {
   return stem + std::string(digits - number.size(), '0') + number;
 }
 
-std::string Label(const PlannedFrame& planned) {
-  return (planned.closure ? std::string("closure frame")
-                          : "frame " + std::to_string(planned.index)) +
-         " (" + nlohmann::json(planned.angle_deg).dump() + " deg)";
+std::string PathOf(const MeshCopy& mesh) {
+  return mesh.format == MeshFormat::kPly ? "target.ply" : "target.obj";
 }
 
 // The nearest folder of a path that is there.
@@ -75,6 +72,8 @@ Status CheckSetup(const CaptureSetup& setup) {
     return InputError(begin + "pictures of " + std::to_string(setup.format.channels) +
                       " channels of type " + cv::depthToString(depth) +
                       ", allowed are 1 or 3 of 8 or 16 bits or float");
+  if (const auto* mesh = std::get_if<MeshCopy>(&setup.target))
+    if (const auto parsed = ParseMesh(mesh->bytes, PathOf(*mesh)); !parsed) return Forward(parsed);
   if (!IsBracket(setup)) return {};
   if (setup.bayer)
     return InputError(begin + "exposures_us: a bracket of " +
@@ -85,30 +84,27 @@ Status CheckSetup(const CaptureSetup& setup) {
   return {};
 }
 
-struct MeshCopy {
-  std::string path, bytes;
-};
-
-// What is copied for a mesh target; nothing for other shapes.
-Result<std::optional<MeshCopy>> ReadMeshCopy(const Target& target) {
-  const auto* mesh = std::get_if<MeshFile>(&target);
-  if (!mesh) return std::optional<MeshCopy>();
-  auto bytes = ReadFile(mesh->path);
-  if (!bytes) return Forward(bytes);
-  if (const auto parsed = ParseMesh(*bytes, mesh->path); !parsed) return Forward(parsed);
-  std::string extension = fs::path(mesh->path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return MeshCopy{"target" + extension, std::move(*bytes)};
+// The files that are there from the start, by name.
+std::vector<std::pair<std::string, std::string>> CopiesOf(const CaptureSetup& setup) {
+  std::vector<std::pair<std::string, std::string>> copies{{kCameraFile, setup.camera.ToString()}};
+  if (const auto* mesh = std::get_if<MeshCopy>(&setup.target))
+    copies.emplace_back(PathOf(*mesh), mesh->bytes);
+  return copies;
 }
 
-JournalHeader MakeHeader(const CaptureSetup& setup, const std::optional<MeshCopy>& mesh) {
+Target TargetOf(const CaptureSetup& setup) {
+  if (const auto* sphere = std::get_if<calib::SphereShape>(&setup.target)) return *sphere;
+  if (const auto* plane = std::get_if<calib::PlaneShape>(&setup.target)) return *plane;
+  return MeshFile{PathOf(std::get<MeshCopy>(setup.target))};
+}
+
+JournalHeader MakeHeader(const CaptureSetup& setup) {
   JournalHeader header;
   header.config_text = setup.config_text;
   header.camera_path = kCameraFile;
   header.camera_sha256 = Sha256Hex(setup.camera.ToString());
-  if (mesh) {
-    header.mesh_path = mesh->path;
+  if (const auto* mesh = std::get_if<MeshCopy>(&setup.target)) {
+    header.mesh_path = PathOf(*mesh);
     header.mesh_sha256 = Sha256Hex(mesh->bytes);
   }
   header.camera_identity = Describe(setup.camera_identity);
@@ -222,16 +218,8 @@ Result<SessionRecorder> SessionRecorder::Resume(const fs::path& root, const Capt
 Result<SessionRecorder> SessionRecorder::Open(const fs::path& root, const CaptureSetup& setup,
                                               const RunProvenance& run, FileOps& ops, bool resume) {
   if (const Status status = CheckSetup(setup); !status) return Forward(status);
-  const auto mesh = ReadMeshCopy(setup.target);
-  if (!mesh) return Forward(mesh);
   SessionRecorder recorder(root, setup, ops);
-  recorder.header_ = MakeHeader(setup, *mesh);
-  const std::vector<std::pair<std::string, std::string>> copies =
-      *mesh
-          ? std::vector<std::pair<std::string, std::string>>{{kCameraFile, setup.camera.ToString()},
-                                                             {(*mesh)->path, (*mesh)->bytes}}
-          : std::vector<std::pair<std::string, std::string>>{
-                {kCameraFile, setup.camera.ToString()}};
+  recorder.header_ = MakeHeader(setup);
   Status status = resume ? Status() : recorder.CheckSpaceForMissing();
   if (status) status = MakeDirectory(root, ops);
   if (!status) return Forward(recorder.Break(status));
@@ -240,7 +228,7 @@ Result<SessionRecorder> SessionRecorder::Open(const fs::path& root, const Captur
   if (!lock) return Forward(recorder.Break(Forward(lock)));
   recorder.lock_ = std::move(*lock);
   status = resume ? recorder.Recover() : recorder.CheckFresh();
-  if (status) status = recorder.Begin(copies, run, resume);
+  if (status) status = recorder.Begin(run, resume);
   if (!status) return Forward(recorder.Break(status));
   return recorder;
 }
@@ -279,12 +267,11 @@ Status SessionRecorder::Recover() {
 }
 
 // The journal comes last: without it, nothing was begun.
-Status SessionRecorder::Begin(const std::vector<std::pair<std::string, std::string>>& copies,
-                              const RunProvenance& run, bool resume) {
+Status SessionRecorder::Begin(const RunProvenance& run, bool resume) {
   Status status = MakeDirectory(root_ / kFrames, *ops_);
   for (const fs::path& folder : {root_, root_ / kFrames})
     if (status) status = RemoveTemporaries(folder, *ops_);
-  for (const auto& [name, bytes] : copies)
+  for (const auto& [name, bytes] : CopiesOf(setup_))
     if (status && ReadFile(root_ / name) != bytes)
       status = WriteFileAtomic(root_ / name, bytes, *ops_);
   if (!status) return status;
@@ -394,7 +381,7 @@ Status SessionRecorder::WriteSessionFiles() {
   session.radiometry =
       SessionRadiometry(setup_.radiometry, setup_.plan.exposures_us, setup_.plan.gain_db);
   session.bayer = setup_.bayer;
-  session.target = header_.mesh_path ? Target(MeshFile{*header_.mesh_path}) : setup_.target;
+  session.target = TargetOf(setup_);
   for (const PlannedFrame& planned : planned_)
     if (!planned.closure) session.frames.push_back(entries_.at(planned.index).frame);
   return WriteSession(session, root_, *ops_);

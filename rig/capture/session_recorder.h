@@ -23,6 +23,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/file.h"
@@ -39,6 +40,14 @@
 
 namespace turnlight::rig {
 
+// A mesh as the session will hold it: target.ply or target.obj.
+enum class MeshFormat { kPly, kObj };
+struct MeshCopy {
+  MeshFormat format = MeshFormat::kPly;
+  std::string bytes;  // of the file
+};
+using CaptureTarget = std::variant<calib::SphereShape, calib::PlaneShape, MeshCopy>;
+
 // What is captured and with what. The same for every run of one capture: a resume with another
 // config, camera model, mesh or device (vendor, model, serial) is refused.
 struct CaptureSetup {
@@ -49,7 +58,7 @@ struct CaptureSetup {
   calib::CameraModel camera;
   calib::Radiometry radiometry;      // of raw DN; the session's is SessionRadiometry of it
   std::optional<std::string> bayer;  // refused together with a bracket
-  Target target;                     // MeshFile::path: the file to copy, wherever it is
+  CaptureTarget target;
   PictureFormat format;
   DeviceIdentity camera_identity, table_identity;
 };
@@ -114,8 +123,7 @@ class SessionRecorder {
                                       const RunProvenance& run, FileOps& ops, bool resume);
   Status CheckFresh() const;
   Status Recover();
-  Status Begin(const std::vector<std::pair<std::string, std::string>>& copies,
-               const RunProvenance& run, bool resume);
+  Status Begin(const RunProvenance& run, bool resume);
   Status CheckSpace(std::uint64_t bytes, const std::string& what) const;
   Status CheckSpaceForMissing() const;
   Status WriteSessionFiles();

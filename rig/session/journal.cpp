@@ -184,10 +184,13 @@ Result<Journal> ReadJournal(const fs::path& root) {
   return journal;
 }
 
-std::vector<std::string> EntryProblems(const fs::path& root, const JournalEntry& entry) {
+std::vector<std::string> EntryProblems(const fs::path& root, const JournalEntry& entry,
+                                       EntryFiles which) {
   std::vector<std::string> problems;
   const std::string key = "frame " + std::to_string(entry.index) + "/";
-  CheckFile(root, {key + "image", entry.frame.image, kJournalFile}, *entry.frame.sha256, problems);
+  if (which == EntryFiles::kAll)
+    CheckFile(root, {key + "image", entry.frame.image, kJournalFile}, *entry.frame.sha256,
+              problems);
   if (entry.frame.validity && entry.validity_sha256)
     CheckFile(root, {key + "validity", *entry.frame.validity, kJournalFile}, *entry.validity_sha256,
               problems);
@@ -196,9 +199,7 @@ std::vector<std::string> EntryProblems(const fs::path& root, const JournalEntry&
 
 std::string EntryLabel(const JournalHeader& header, std::size_t index) {
   const bool closure = index >= header.angles_deg.size();
-  const double angle_deg = closure ? header.closure_deg.value_or(0.0) : header.angles_deg[index];
-  return (closure ? std::string("closure frame") : "frame " + std::to_string(index)) + " (" +
-         ordered_json(angle_deg).dump() + " deg)";
+  return FrameLabel(index, closure ? header.closure_deg : header.angles_deg[index], closure);
 }
 
 }  // namespace turnlight::rig

@@ -48,8 +48,10 @@ std::string PrintJournalLine(const JournalEntry& entry);
 Result<Journal> ReadJournal(const std::filesystem::path& root);
 
 // What is wrong with the files of an entry: missing, changed, out of the folder. Empty: nothing.
-std::vector<std::string> EntryProblems(const std::filesystem::path& root,
-                                       const JournalEntry& entry);
+// kValidity: the picture is known to be the one.
+enum class EntryFiles { kAll, kValidity };
+std::vector<std::string> EntryProblems(const std::filesystem::path& root, const JournalEntry& entry,
+                                       EntryFiles which = EntryFiles::kAll);
 
 // "frame 3 (30.0 deg)", or "closure frame (360.0 deg)".
 std::string EntryLabel(const JournalHeader& header, std::size_t index);

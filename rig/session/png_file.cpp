@@ -1,11 +1,13 @@
-// PNG by OpenCV (libpng), after this file has walked the chunks: the size is checked before memory
-// is taken, damage is told by its kind, palettes and alpha are seen before they are converted away,
-// and the decoder, which writes to standard error about damage and odd chunks, gets neither.
+// PNG by libpng, after this file has walked the chunks: the size is checked before memory is taken,
+// damage is told by its kind, palettes and alpha are refused, and the decoder gets no odd chunks.
+#include <png.h>
 #include <zlib.h>
 
-#include <limits>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <algorithm>
+#include <bit>
+#include <csetjmp>
+#include <cstring>
+#include <exception>
 #include <string_view>
 #include <vector>
 
@@ -90,30 +92,99 @@ Result<std::string> PixelChunks(const std::string& bytes, const std::string& fil
   }
 }
 
+// libpng tells of an error by a longjmp. What it may leave in this way, ReadPixels and WritePixels,
+// holds nothing that must be destroyed; the callbacks throw nothing.
+void Fail(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void Ignore(png_structp, png_const_charp) {}
+
+void Take(png_structp png, png_bytep to, std::size_t count) {
+  auto& rest = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (count > rest.size()) png_error(png, "too short");
+  std::memcpy(to, rest.data(), count);
+  rest.remove_prefix(count);
+}
+
+void Append(png_structp png, png_bytep from, std::size_t count) {
+  bool done = true;
+  try {
+    static_cast<std::string*>(png_get_io_ptr(png))
+        ->append(reinterpret_cast<const char*>(from), count);
+  } catch (const std::exception&) {
+    done = false;
+  }
+  if (!done) png_error(png, "no memory");
+}
+
+// Rows of a picture whose header was checked, R, G, B and in the machine's byte order.
+bool ReadPixels(png_structp png, png_infop info, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_read_info(png, info);
+  if (std::endian::native == std::endian::little && png_get_bit_depth(png, info) == 16)
+    png_set_swap(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  png_read_image(png, rows);
+  png_read_end(png, nullptr);
+  return true;
+}
+
+// Quick rather than small: noise hardly compresses.
+bool WritePixels(png_structp png, png_infop info, png_bytepp rows, const cv::Mat& image) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  const int bits = image.depth() == CV_16U ? 16 : 8;
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+  png_set_compression_level(png, Z_BEST_SPEED);
+  png_set_compression_strategy(png, Z_RLE);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.cols),
+               static_cast<png_uint_32>(image.rows), bits,
+               image.channels() == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  if (std::endian::native == std::endian::little && bits == 16) png_set_swap(png);
+  png_write_image(png, rows);
+  png_write_end(png, nullptr);
+  return true;
+}
+
+std::vector<png_bytep> RowsOf(const cv::Mat& image) {
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < image.rows; ++y) rows.push_back(const_cast<png_bytep>(image.ptr(y)));
+  return rows;
+}
+
 }  // namespace
 
 Result<cv::Mat> DecodePng(const std::string& bytes, const std::string& file, cv::Size expected) {
   const auto chunks = PixelChunks(bytes, file, expected);
   if (!chunks) return Forward(chunks);
-  if (chunks->size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    return InputError(file + ": a PNG of more than 2^31 bytes");
-  const cv::Mat view(1, static_cast<int>(chunks->size()), CV_8U, const_cast<char*>(chunks->data()));
-  cv::Mat image = cv::imdecode(view, cv::IMREAD_UNCHANGED);
-  if (image.empty() || (image.channels() != 1 && image.channels() != 3))
-    return InputError(file + ": damaged or truncated PNG: its pixels cannot be decoded");
-  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  const std::string_view header = std::string_view(*chunks).substr(kSignature.size() + 8);
+  const int depth = header[8] == 16 ? CV_16U : CV_8U;
+  cv::Mat image(static_cast<int>(BigEndian32(header.substr(4))),
+                static_cast<int>(BigEndian32(header)),
+                CV_MAKETYPE(depth, header[9] == kRgb ? 3 : 1));
+  auto rows = RowsOf(image);
+  std::string_view rest(*chunks);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, Fail, Ignore);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  if (info) png_set_read_fn(png, &rest, Take);
+  const bool done = info && ReadPixels(png, info, rows.data());
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!done) return InputError(file + ": damaged or truncated PNG: its pixels cannot be decoded");
   return image;
 }
 
 Result<std::string> EncodePng(const cv::Mat& image, const std::string& file) {
   if (image.depth() != CV_8U && image.depth() != CV_16U)
     return InputError(file + ": PNG holds 8 and 16 bits, not this depth; use .tif or .exr");
-  cv::Mat bgr;  // not the caller's pixels
-  if (image.channels() == 3) cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
-  std::vector<unsigned char> buffer;
-  if (!cv::imencode(".png", bgr.empty() ? image : bgr, buffer))
-    return SystemError(file + ": cannot encode the PNG");
-  return std::string(buffer.begin(), buffer.end());
+  std::string bytes;
+  auto rows = RowsOf(image);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, Fail, Ignore);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  if (info) png_set_write_fn(png, &bytes, Append, nullptr);
+  const bool done = info && WritePixels(png, info, rows.data(), image);
+  png_destroy_write_struct(&png, &info);
+  if (!done) return SystemError(file + ": cannot encode the PNG");
+  return bytes;
 }
 
 }  // namespace turnlight::rig

@@ -112,8 +112,8 @@ Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame) {
   try {
     return ReadFrame(session, frame);
   } catch (const std::exception& error) {  // of OpenCV: no memory
-    return SystemError(session.root.string() + ": " + FrameLabel(session, frame) + ": " +
-                       error.what());
+    return SystemError(session.root.string() + ": " +
+                       FrameLabel(frame, session.frames[frame].angle_deg) + ": " + error.what());
   }
 }
 

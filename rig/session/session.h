@@ -71,6 +71,9 @@ struct FrameImages {
 };
 Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame);
 
+// "frame 3 (30.0 deg)", or "closure frame (360.0 deg)", as messages about a frame begin.
+std::string FrameLabel(std::size_t index, std::optional<double> angle_deg, bool closure = false);
+
 // The target's shape; reads the mesh if there is one.
 Result<calib::TargetShape> ReadTarget(const Session& session);
 

@@ -266,11 +266,9 @@ std::string PrintSession(const Session& session) {
   return text + "\n ]\n}\n";
 }
 
-std::string FrameLabel(const Session& session, std::size_t frame) {
-  std::string label = "frame " + std::to_string(frame);
-  if (frame < session.frames.size() && session.frames[frame].angle_deg)
-    label += " (" + ordered_json(*session.frames[frame].angle_deg).dump() + " deg)";
-  return label;
+std::string FrameLabel(std::size_t index, std::optional<double> angle_deg, bool closure) {
+  const std::string label = closure ? "closure frame" : "frame " + std::to_string(index);
+  return angle_deg ? label + " (" + ordered_json(*angle_deg).dump() + " deg)" : label;
 }
 
 }  // namespace turnlight::rig

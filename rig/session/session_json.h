@@ -33,7 +33,4 @@ nlohmann::ordered_json PrintFrame(const FrameRecord& frame);
 // 64 lower-case hexadecimal digits.
 bool IsSha256(const std::string& text);
 
-// "frame 3 (30 deg)", as messages about a frame begin.
-std::string FrameLabel(const Session& session, std::size_t frame);
-
 }  // namespace turnlight::rig

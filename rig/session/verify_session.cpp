@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <set>
 #include <system_error>
 
@@ -24,34 +25,46 @@ std::vector<std::string> FrameProblems(const Session& session, std::size_t index
   return problems;
 }
 
-// What `sha256sum` prints for all files of the session, sorted by path.
+// What `sha256sum` prints for all files of a good session, sorted by path.
 Result<std::string> ContentLines(const Session& session) {
+  std::map<std::string, std::string> checked;  // pictures that were found to have their checksum
+  for (const FrameRecord& frame : session.frames)
+    if (frame.sha256) checked.emplace(frame.image, *frame.sha256);
   std::set<std::string> paths{kSessionFile};
   for (const NamedPath& named : PathsOf(session)) paths.insert(named.path);
   std::string lines;
   for (const std::string& path : paths) {
-    const auto bytes = ReadFile(session.root / path);
-    if (!bytes) return Forward(bytes);
-    lines += Sha256Hex(*bytes) + "  " + path + "\n";
+    std::string& sha256 = checked[path];
+    if (sha256.empty()) {
+      const auto bytes = ReadFile(session.root / path);
+      if (!bytes) return Forward(bytes);
+      sha256 = Sha256Hex(*bytes);
+    }
+    lines += sha256 + "  " + path + "\n";
   }
   return lines;
 }
 
 // What only the journal of a finished capture knows: the checksums of the validity maps, and the
 // closure frame, which belongs to the capture and not to the session.
-void CheckAgainstJournal(const fs::path& root, std::vector<std::vector<std::string>>& problems,
+void CheckAgainstJournal(const Session& session, std::vector<std::vector<std::string>>& problems,
                          std::vector<std::string>& remarks) {
   std::error_code code;
-  if (!fs::exists(root / kJournalFile, code)) return;
-  const auto journal = ReadJournal(root);
+  if (!fs::exists(session.root / kJournalFile, code)) return;
+  const auto journal = ReadJournal(session.root);
   if (!journal) {
     remarks.push_back(journal.error().text);
     return;
   }
   for (const JournalEntry& entry : journal->entries) {
-    if (entry.index < problems.size() && !problems[entry.index].empty()) continue;
-    for (const std::string& problem : EntryProblems(root, entry)) {
-      if (entry.index < problems.size())
+    const FrameRecord* frame =
+        entry.index < problems.size() ? &session.frames[entry.index] : nullptr;
+    if (frame && !problems[entry.index].empty()) continue;
+    const bool checked =
+        frame && frame->image == entry.frame.image && frame->sha256 == entry.frame.sha256;
+    for (const std::string& problem :
+         EntryProblems(session.root, entry, checked ? EntryFiles::kValidity : EntryFiles::kAll)) {
+      if (frame)
         problems[entry.index].push_back(problem);
       else
         remarks.push_back(EntryLabel(journal->header, entry.index) + ": " + problem);
@@ -128,14 +141,14 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
 
   std::vector<std::vector<std::string>> problems(session.frames.size());
   ParallelFor(problems.size(), [&](std::size_t i) { problems[i] = FrameProblems(session, i); });
-  CheckAgainstJournal(root, problems, report.remarks);
+  CheckAgainstJournal(session, problems, report.remarks);
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const bool good = problems[i].empty();
     if (good) ++report.frames;
     if (!good && session.frames[i].angle_deg)
       report.lost_angles_deg.push_back(*session.frames[i].angle_deg);
     for (const std::string& problem : problems[i])
-      report.problems.push_back(FrameLabel(session, i) + ": " + problem);
+      report.problems.push_back(FrameLabel(i, session.frames[i].angle_deg) + ": " + problem);
   }
   const auto without_checksum =
       std::count_if(session.frames.begin(), session.frames.end(),

@@ -42,9 +42,8 @@ void EditImage(const Folder& session, const std::function<void(const Folder&)>& 
 
 void ReplaceText(const Folder& file, const std::string& from, const std::string& to) {
   std::string text = ReadText(file);
-  const std::size_t at = text.find(from);
-  ASSERT_NE(at, std::string::npos) << from << " is not in " << file;
-  WriteText(file, text.replace(at, from.size(), to));
+  Replace(text, from, to);
+  WriteText(file, text);
 }
 
 void FillAllImages(const Folder& session, const cv::Scalar& value) {

@@ -1,9 +1,13 @@
-// Preloaded into the program by disk_faults_test: counts the calls that change files under a folder
-// and, at one of them, ends the process or lets the call fail. Set by the environment:
-//   DISK_SHIM_UNDER  the folder
-//   DISK_SHIM_DO     kill (after the call), nospace, error; short (a write writes half of it)
+// Preloaded into the program by tests: counts the calls that change files under a path and, at one
+// of them, ends the process or lets the call fail. Set by the environment:
+//   DISK_SHIM_UNDER  what the paths begin with
+//   DISK_SHIM_DO     kill (after the call), nospace, error; short (a write writes half of it);
+//                    interrupt (Ctrl-C before the call)
 //   DISK_SHIM_AT     at which call, from 1; of short, at which write
+//   DISK_SHIM_MARK   a file, written when it has happened: the call's name
+// Nothing is synced: what a killed program has written stays in the system's cache.
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +15,7 @@
 #include <cerrno>
 #include <climits>
 #include <csignal>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -45,16 +50,25 @@ const std::string& What() {
   return what;
 }
 
-// Whether this is the call.
-bool Now() {
+// Whether this is the call; then it leaves its mark.
+bool Now(const char* name) {
   static const int at = std::atoi(Variable("DISK_SHIM_AT").c_str());
   static std::atomic<int> calls{0};
-  return ++calls == at;
+  if (++calls != at) return false;
+  if (std::FILE* mark = std::fopen(Variable("DISK_SHIM_MARK").c_str(), "w")) {
+    std::fputs(name, mark);
+    std::fclose(mark);
+  }
+  return true;
 }
 
 template <typename Call>
-auto Step(bool concerns, const Call& call) -> decltype(call()) {
-  if (!concerns || What() == "short" || !Now()) return call();
+auto Step(const char* name, bool concerns, const Call& call) -> decltype(call()) {
+  if (!concerns || What() == "short" || !Now(name)) return call();
+  if (What() == "interrupt") {
+    ::raise(SIGINT);
+    return call();
+  }
   if (What() == "kill") {
     call();
     ::kill(::getpid(), SIGKILL);
@@ -67,36 +81,61 @@ auto Step(bool concerns, const Call& call) -> decltype(call()) {
 
 extern "C" {
 
+int open(const char* path, int flags, ...) {
+  static const auto real = Real("open", &open);
+  std::va_list more;
+  va_start(more, flags);
+  const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(more, mode_t) : 0;
+  va_end(more);
+  const bool changes = (flags & (O_CREAT | O_WRONLY | O_RDWR)) != 0;
+  const bool to_sync = (flags & O_DIRECTORY) != 0;
+  return Step("open", (changes || to_sync) && Concerns(path),
+              [&] { return real(path, flags, mode); });
+}
+
 ssize_t write(int fd, const void* data, size_t size) {
   static const auto real = Real("write", &write);
   const bool concerns = Concerns(fd);
-  if (concerns && What() == "short" && Now()) return real(fd, data, (size + 1) / 2);
-  return Step(concerns, [&] { return real(fd, data, size); });
+  if (concerns && What() == "short" && Now("write")) return real(fd, data, (size + 1) / 2);
+  return Step("write", concerns, [&] { return real(fd, data, size); });
 }
 
 int fsync(int fd) {
-  static const auto real = Real("fsync", &fsync);
-  return Step(Concerns(fd), [&] { return real(fd); });
+  return Step("fsync", Concerns(fd), [] { return 0; });
 }
 
 int fdatasync(int fd) {
-  static const auto real = Real("fdatasync", &fdatasync);
-  return Step(Concerns(fd), [&] { return real(fd); });
+  return Step("fdatasync", Concerns(fd), [] { return 0; });
+}
+
+int ftruncate(int fd, off_t size) noexcept {
+  static const auto real = Real("ftruncate", &ftruncate);
+  return Step("ftruncate", Concerns(fd), [&] { return real(fd, size); });
+}
+
+int fchmod(int fd, mode_t mode) noexcept {
+  static const auto real = Real("fchmod", &fchmod);
+  return Step("fchmod", Concerns(fd), [&] { return real(fd, mode); });
 }
 
 int rename(const char* from, const char* to) noexcept {
   static const auto real = Real("rename", &rename);
-  return Step(Concerns(to), [&] { return real(from, to); });
+  return Step("rename", Concerns(to), [&] { return real(from, to); });
+}
+
+int unlink(const char* path) noexcept {
+  static const auto real = Real("unlink", &unlink);
+  return Step("unlink", Concerns(path), [&] { return real(path); });
 }
 
 int mkstemp(char* name) {
   static const auto real = Real("mkstemp", &mkstemp);
-  return Step(Concerns(name), [&] { return real(name); });
+  return Step("mkstemp", Concerns(name), [&] { return real(name); });
 }
 
 int mkdir(const char* path, mode_t mode) noexcept {
   static const auto real = Real("mkdir", &mkdir);
-  return Step(Concerns(path), [&] { return real(path, mode); });
+  return Step("mkdir", Concerns(path), [&] { return real(path, mode); });
 }
 
 }  // extern "C"

@@ -1,6 +1,7 @@
 #include "tests/app/png_header.h"
 
-#include <opencv2/imgcodecs.hpp>
+#include <png.h>
+
 #include <vector>
 
 namespace turnlight::app {
@@ -35,9 +36,17 @@ std::string WithPngSize(std::string png, std::uint32_t width, std::uint32_t heig
 }
 
 std::string RgbaPng(int width, int height) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", cv::Mat(height, width, CV_8UC4, cv::Scalar(10, 20, 30, 40)), bytes);
-  return {bytes.begin(), bytes.end()};
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = PNG_FORMAT_RGBA;
+  const std::vector<unsigned char> pixels(PNG_IMAGE_SIZE(image), 40);
+  std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = bytes.size();
+  png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr);
+  bytes.resize(size);
+  return bytes;
 }
 
 }  // namespace turnlight::app

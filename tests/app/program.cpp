@@ -52,13 +52,6 @@ Outcome RunProgram(const std::vector<std::string>& arguments,
   return outcome;
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "turnlight-XXXXXX").string();
-  path_ = ::mkdtemp(name.data());
-}
-
-TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
-
 std::string ReadText(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
@@ -70,17 +63,43 @@ void WriteText(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+std::size_t Lines(const std::filesystem::path& file) { return Count(ReadText(file), "\n"); }
+
+std::size_t Count(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos;
+       at = text.find(what, at + what.size()))
+    ++count;
+  return count;
+}
+
+void Replace(std::string& text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  ASSERT_NE(at, std::string::npos) << what;
+  text.replace(at, what.size(), by);
+}
+
+void RunQuickly(std::string& config) {
+  Replace(config, "executor: virtual", "executor: wall");
+  Replace(config, "max_speed_deg_s: 30, acceleration_deg_s2: 120",
+          "max_speed_deg_s: 1000, acceleration_deg_s2: 10000, home_speed_deg_s: 1000, "
+          "settle_ms: 10");
+  Replace(config, "settle_ms: 300", "settle_ms: 20");
+}
+
+std::string ContentOf(const std::string& session) {
+  const Outcome verified = RunProgram({"verify", session});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out;
+  const std::size_t at = verified.out.find("content sha256");
+  return at == std::string::npos ? "" : verified.out.substr(at);
+}
+
 std::string SmallRunConfig() {
   std::string text =
       ReadText(std::filesystem::path(TURNLIGHT_SOURCE_DIR) / "configs/simulated_orbit.yaml");
-  const auto replace = [&text](const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    ASSERT_NE(at, std::string::npos) << what;
-    text.replace(at, what.size(), by);
-  };
-  replace("count: 36", "count: 3");
-  replace("step_deg: 10", "step_deg: 120");
-  replace("size: [320, 240], focal_px: 520", "size: [64, 48], focal_px: 104");
+  Replace(text, "count: 36", "count: 3");
+  Replace(text, "step_deg: 10", "step_deg: 120");
+  Replace(text, "size: [320, 240], focal_px: 520", "size: [64, 48], focal_px: 104");
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rig/sim/synthetic_config.h"
+#include "tests/temporary_folder.h"
 
 namespace turnlight::app {
 
@@ -25,23 +26,19 @@ Outcome RunProgram(const std::vector<std::string>& arguments,
 pid_t Start(const std::vector<std::string>& arguments);
 int Finish(pid_t process);
 
-// A folder of its own, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  // The path of a file or folder in it.
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
 std::string ReadText(const std::filesystem::path& path);
 void WriteText(const std::filesystem::path& path, const std::string& text);
+// 0 of a file that is not there.
+std::size_t Lines(const std::filesystem::path& file);
+std::size_t Count(const std::string& text, const std::string& what);
+// A test failure if `what` is not in the text.
+void Replace(std::string& text, const std::string& what, const std::string& by);
+
+// Makes a run's config one for real time with little to wait for.
+void RunQuickly(std::string& config);
+
+// What `verify` says of a session's bytes; a test failure if the session is not good.
+std::string ContentOf(const std::string& session);
 
 // A small noiseless config: a ball under one near light, three views of 80 x 60 pixels, 16 bits.
 rig::SyntheticConfig SmallConfig();

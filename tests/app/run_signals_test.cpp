@@ -1,6 +1,7 @@
-// Proves of runs in real time: Ctrl-C once finishes the keyframe, twice and SIGTERM do not; each
-// leaves a session that a resume completes to the bytes of a run that was left alone; a second
-// program in the same folder is refused and told who is there. Does not prove how fast it stops.
+// Proves of runs in real time: Ctrl-C once finishes the keyframe, twice and SIGTERM do not; a
+// replay stops after the frame that is being written; each leaves a session that a resume completes
+// to the bytes of a run that was left alone; a second program in the same folder is refused and
+// told who is there. Does not prove how fast it stops.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -19,24 +20,15 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::size_t Lines(const fs::path& file) {
-  const std::string text = ReadText(file);
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-}
-
 class RunSignals : public testing::Test {
  protected:
   // Real time; speed_deg_s of a table that has 120 degrees to go.
   std::string Config(const std::string& name, const std::string& speed_deg_s) {
     std::string text = SmallRunConfig();
-    for (const auto& [what, by] :
-         {std::pair<std::string, std::string>{"executor: virtual", "executor: wall"},
-          {"max_speed_deg_s: 30, acceleration_deg_s2: 120",
-           "max_speed_deg_s: " + speed_deg_s + ", acceleration_deg_s2: 1000"}}) {
-      const std::size_t at = text.find(what);
-      EXPECT_NE(at, std::string::npos) << what;
-      if (at != std::string::npos) text.replace(at, what.size(), by);
-    }
+    RunQuickly(text);
+    Replace(text, "max_speed_deg_s: 1000", "max_speed_deg_s: " + speed_deg_s);
+    Replace(text, "approach: one-sided",
+            "approach: direct");  // the first keyframe is where it stands
     WriteText(folder_ / name, text);
     return folder_ / name;
   }
@@ -44,18 +36,12 @@ class RunSignals : public testing::Test {
   static void Await(const std::string& out, std::size_t lines) {
     while (Lines(fs::path(out) / "session/journal.jsonl") < lines) ::usleep(2000);
   }
-  std::string Content(const std::string& out) {
-    const Outcome verified = RunProgram({"verify", out + "/session"});
-    EXPECT_EQ(verified.exit_code, 0) << verified.out;
-    const std::size_t at = verified.out.find("content sha256");
-    return at == std::string::npos ? "" : verified.out.substr(at);
-  }
   void ExpectResumeCompletes(const std::string& config, const std::string& out) {
     const Outcome resumed = RunProgram({"resume", out});
     EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
     const Outcome whole = RunProgram({"capture", config, "--out", folder_ / "whole"});
     EXPECT_EQ(whole.exit_code, 0) << whole.err;
-    EXPECT_EQ(Content(out), Content(folder_ / "whole"));
+    EXPECT_EQ(ContentOf(out + "/session"), ContentOf(folder_ / "whole/session"));
     EXPECT_EQ(ReadText(fs::path(out) / "session/journal.jsonl"),
               ReadText(fs::path(folder_ / "whole") / "session/journal.jsonl"));
   }
@@ -107,6 +93,25 @@ TEST_F(RunSignals, StoppedAtOnceItResumes) {
   ::kill(process, SIGTERM);
   EXPECT_EQ(Finish(process), 130);
   ExpectResumeCompletes(config, out);
+}
+
+// The signal comes when the second frame of a replay is about to be written.
+TEST_F(RunSignals, AReplayStopsAfterTheKeyframe) {
+  WriteText(folder_ / "c.yaml", SmallRunConfig());
+  const Outcome whole = RunProgram({"capture", folder_ / "c.yaml", "--out", folder_ / "whole"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const std::string again = folder_ / "again";
+  const Outcome stopped =
+      RunProgram({"replay", folder_ / "whole/log", "--out", again},
+                 {"LD_PRELOAD=" TURNLIGHT_DISK_SHIM, "DISK_SHIM_DO=interrupt", "DISK_SHIM_AT=1",
+                  "DISK_SHIM_UNDER=" + again + "/session/frames/.001"});
+  EXPECT_EQ(stopped.exit_code, 130);
+  EXPECT_FALSE(fs::exists(again + "/session/session.json"));
+  EXPECT_EQ(Lines(again + "/session/journal.jsonl"), 3u);
+  EXPECT_THAT(stopped.err, HasSubstr("1 frame is missing"));
+  EXPECT_THAT(stopped.err, HasSubstr("turnlight resume " + again));
+  EXPECT_EQ(RunProgram({"resume", again}).exit_code, 0);
+  EXPECT_EQ(ContentOf(again + "/session"), ContentOf(folder_ / "whole/session"));
 }
 
 TEST_F(RunSignals, ASecondProgramInTheFolderIsRefusedAndToldWhoIsThere) {

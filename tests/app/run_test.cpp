@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <stdexcept>
 #include <string>
 
-#include "base/file.h"
-#include "program.h"
+#include "calib/radiometry.h"
+#include "rig/session/session.h"
+#include "tests/app/program.h"
 
 namespace turnlight::app {
 namespace {
@@ -21,42 +23,24 @@ namespace fs = std::filesystem;
 // The main config, smaller.
 class Run : public testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) /
-            (std::string("run_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(root_);
-    fs::create_directories(root_);
-    config_ = Config("small.yaml", "simulated_turntable.yaml");
-  }
-  void TearDown() override { fs::remove_all(root_); }
+  void SetUp() override { config_ = Config("small.yaml", "simulated_turntable.yaml"); }
 
   std::string Config(const std::string& name, const std::string& from,
                      const std::string& replaced = "", const std::string& by = "") {
-    std::string text = *ReadFile(fs::path(TURNLIGHT_SOURCE_DIR) / "configs" / from);
+    std::string text = ReadText(fs::path(TURNLIGHT_SOURCE_DIR) / "configs" / from);
     Replace(text, "count: 36", "count: 6");
     Replace(text, "step_deg: 10", "step_deg: 60");
     Replace(text, "size: [320, 240], focal_px: 640", "size: [80, 60], focal_px: 160");
     if (!replaced.empty()) Replace(text, replaced, by);
     const fs::path path = root_ / name;
-    std::ofstream(path) << text;
+    WriteText(path, text);
     return path.string();
-  }
-  static void Replace(std::string& text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    ASSERT_NE(at, std::string::npos) << what;
-    text.replace(at, what.size(), by);
   }
   std::string Out(const std::string& name) const { return (root_ / name).string(); }
 
-  // What sha256 says of the session; empty if it is not good.
-  static std::string Session(const std::string& out) {
-    const Outcome verified = RunProgram({"verify", out + "/session"});
-    EXPECT_EQ(verified.exit_code, 0) << verified.out;
-    const std::size_t at = verified.out.find("content sha256");
-    return at == std::string::npos ? "" : verified.out.substr(at);
-  }
+  static std::string Session(const std::string& out) { return ContentOf(out + "/session"); }
   static std::string ResultWithoutTimes(const std::string& out) {
-    auto json = nlohmann::json::parse(*ReadFile(out + "/result.json"));
+    auto json = nlohmann::json::parse(ReadText(out + "/result.json"));
     json.erase("time_s");
     return json.dump();
   }
@@ -65,7 +49,8 @@ class Run : public testing::Test {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
 
-  fs::path root_;
+  const TemporaryFolder folder_;
+  const fs::path root_ = folder_.path();
   std::string config_;
 };
 
@@ -75,7 +60,7 @@ TEST_F(Run, IsTheSameForAnyNumberOfThreads) {
   ExpectRuns({"run", config_, "--out", Out("again")});
   for (const std::string other : {"2", "4", "again"}) {
     EXPECT_EQ(Session(Out("1")), Session(Out(other)));
-    EXPECT_TRUE(*ReadFile(Out("1") + "/log") == *ReadFile(Out(other) + "/log")) << other;
+    EXPECT_TRUE(ReadText(Out("1") + "/log") == ReadText(Out(other) + "/log")) << other;
     EXPECT_EQ(ResultWithoutTimes(Out("1") + "/result"), ResultWithoutTimes(Out(other) + "/result"));
   }
 }
@@ -88,17 +73,54 @@ TEST_F(Run, ResultIsThatOfEstimateAndOfAReplay) {
   EXPECT_EQ(Session(Out("run")), Session(Out("replay")));
   EXPECT_EQ(ResultWithoutTimes(Out("run") + "/result"),
             ResultWithoutTimes(Out("replay") + "/result"));
-  EXPECT_TRUE(*ReadFile(Out("run") + "/log") == *ReadFile(Out("replay") + "/log"));
+  EXPECT_TRUE(ReadText(Out("run") + "/log") == ReadText(Out("replay") + "/log"));
 }
 
 TEST_F(Run, ThreadsAndRealTimeGiveTheSameSessionAndResult) {
-  ExpectRuns({"run", config_, "--out", Out("virtual")});
-  const std::string wall =
-      Config("wall.yaml", "simulated_turntable.yaml", "executor: virtual", "executor: wall");
+  std::string text = ReadText(config_);
+  RunQuickly(text);
+  const std::string wall = Out("wall.yaml"), virtually = Out("virtual.yaml");
+  WriteText(wall, text);
+  Replace(text, "executor: wall", "executor: virtual");
+  WriteText(virtually, text);
+  ExpectRuns({"run", virtually, "--out", Out("virtual")});
   ExpectRuns({"run", wall, "--out", Out("wall")});
   EXPECT_EQ(Session(Out("virtual")), Session(Out("wall")));
   EXPECT_EQ(ResultWithoutTimes(Out("virtual") + "/result"),
             ResultWithoutTimes(Out("wall") + "/result"));
+}
+
+// A bracket whose first exposure is not the reference, against the shorter exposure alone: the same
+// radiance, saturated where that is.
+TEST_F(Run, ABracketIsSaturatedWhereItsShortestExposureIs) {
+  const auto capture = [this](const std::string& name, const std::string& exposures_us) {
+    std::string text = ReadText(config_);
+    Replace(text, "count: 6", "count: 1");
+    Replace(text, "exposures_us: [8000]", "exposures_us: " + exposures_us);
+    Replace(text, "reference_exposure_us: 8000", "reference_exposure_us: 4000");
+    Replace(text, "intensity: 0.8", "intensity: 5");
+    WriteText(root_ / (name + ".yaml"), text);
+    const Outcome outcome =
+        RunProgram({"capture", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto session = rig::ReadSession(Out(name) + "/session");
+    if (!session) throw std::runtime_error(session.error().text);
+    const auto images = rig::ReadFrameImages(*session, 0);
+    if (!images) throw std::runtime_error(images.error().text);
+    return calib::Linearise(images->image, session->radiometry, session->frames[0].exposure);
+  };
+  const calib::LinearImage alone = capture("alone", "[2000]");
+  const calib::LinearImage bracket = capture("bracket", "[16000, 2000]");
+  const int saturated = cv::countNonZero(alone.saturated);
+  EXPECT_GT(saturated, 20);
+  EXPECT_LE(cv::countNonZero(alone.saturated != bracket.saturated), saturated / 20);  // noise
+  const std::string lines = ReadText(Out("bracket") + "/session/provenance.jsonl");
+  const auto of_frame = nlohmann::json::parse(lines.substr(lines.find('\n')));
+  ASSERT_EQ(of_frame["counters"].size(), 2u);  // of each exposure
+  EXPECT_LT(of_frame["counters"][0]["frame_id"], of_frame["counters"][1]["frame_id"]);
+  const cv::Mat1b good = (alone.saturated == 0) & (bracket.saturated == 0);
+  // Noise is cut off at black, more of it in the short exposure alone.
+  EXPECT_NEAR(cv::mean(bracket.radiance, good)[0] / cv::mean(alone.radiance, good)[0], 1.0, 0.03);
 }
 
 TEST_F(Run, SecondRunIntoTheSameFolderIsRefused) {
@@ -116,16 +138,30 @@ TEST_F(Run, PausesWithEveryGoodFrameKept) {
   const Outcome paused = RunProgram({"capture", faulty, "--out", Out("paused")});
   EXPECT_EQ(paused.exit_code, 3) << paused.err;
   EXPECT_NE(paused.err.find("3 frames are missing"), std::string::npos) << paused.err;
+  EXPECT_EQ(Count(paused.err, "attempt 4 of 4"), 1u) << paused.err;  // what ended it, said once
+}
+
+TEST_F(Run, ADeviceThatDoesNotOpenIsToldBeforeAnythingIsWritten) {
+  for (const std::string device : {"camera", "table"}) {
+    const std::string config =
+        Config("unplugged.yaml", "simulated_turntable.yaml", "  camera:\n",
+               "  faults: {list: [{at: {time_s: 0}, fault: unplugged, device: " + device +
+                   ", ms: 1000}]}\n  camera:\n");
+    const Outcome outcome = RunProgram({"capture", config, "--out", Out("unplugged")});
+    EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
+    EXPECT_NE(outcome.err.find("unplugged"), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(Out("unplugged")));
+  }
 }
 
 TEST_F(Run, FaultsLeaveNoTraceInTheSession) {
   const auto capture = [this](const std::string& name) {
     std::string text =
-        *ReadFile(fs::path(TURNLIGHT_SOURCE_DIR) / "configs" / ("simulated_" + name + ".yaml"));
+        ReadText(fs::path(TURNLIGHT_SOURCE_DIR) / "configs" / ("simulated_" + name + ".yaml"));
     Replace(text, "name: simulated_" + name, "name: same");
     Replace(text, "count: 36", "count: 24");  // the last fault is at keyframe 21
     Replace(text, "size: [320, 240], focal_px: 640", "size: [80, 60], focal_px: 160");
-    std::ofstream(root_ / (name + ".yaml")) << text;
+    WriteText(root_ / (name + ".yaml"), text);
     const Outcome outcome =
         RunProgram({"capture", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -140,17 +176,17 @@ TEST_F(Run, FaultsLeaveNoTraceInTheSession) {
 
 TEST_F(Run, AnOpenLoopTableThatLostStepsIsSeenByTheClosure) {
   const auto with = [this](const std::string& name, const std::string& deg) {
-    std::string text = *ReadFile(config_);
+    std::string text = ReadText(config_);
     Replace(text, "closure: false", "closure: true");
     Replace(text, "backlash_deg: 0.05}", "backlash_deg: 0.05, feedback: open_loop}");
     Replace(text, "  camera:\n",
             "  faults: {list: [{at: {keyframe: 3}, fault: lost_steps, deg: " + deg +
                 "}]}\n  camera:\n");
-    std::ofstream(root_ / (name + ".yaml")) << text;
+    WriteText(root_ / (name + ".yaml"), text);
     return RunProgram({"run", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
   };
   const auto notes = [this](const std::string& name) {
-    return nlohmann::json::parse(*ReadFile(Out(name) + "/result/result.json"))["notes"].dump();
+    return nlohmann::json::parse(ReadText(Out(name) + "/result/result.json"))["notes"].dump();
   };
   const Outcome kept = with("kept", "0");
   EXPECT_EQ(kept.exit_code, 0) << kept.err;
@@ -159,10 +195,14 @@ TEST_F(Run, AnOpenLoopTableThatLostStepsIsSeenByTheClosure) {
   const Outcome lost = with("lost", "2");
   EXPECT_EQ(lost.exit_code, 4) << lost.err;
   EXPECT_NE(lost.err.find("not to be trusted"), std::string::npos) << lost.err;
+  EXPECT_EQ(Count(lost.err, "closure: "), 1u) << lost.err;
   EXPECT_NE(notes("lost").find("closure-open"), std::string::npos);
   const Outcome verified = RunProgram({"verify", Out("lost") + "/session"});
   EXPECT_EQ(verified.exit_code, 0);
   EXPECT_NE(verified.out.find("remark: closure: "), std::string::npos) << verified.out;
+  const Outcome again = RunProgram({"resume", Out("lost")});  // complete already, and still lost
+  EXPECT_EQ(again.exit_code, 4) << again.err;
+  EXPECT_NE(again.err.find("not to be trusted"), std::string::npos) << again.err;
 }
 
 TEST_F(Run, ResumeOfAFinishedRunDoesWhatIsMissing) {
@@ -182,9 +222,9 @@ TEST_F(Run, ResumeOfAFinishedRunDoesWhatIsMissing) {
 
 TEST_F(Run, ReplayWithAnotherRigIsRefusedAndNamed) {
   ExpectRuns({"capture", config_, "--out", Out("run")});
-  std::string text = *ReadFile(Out("run") + "/config.yaml");
+  std::string text = ReadText(Out("run") + "/config.yaml");
   Replace(text, "distance: 480", "distance: 490");
-  std::ofstream(Out("run") + "/config.yaml") << text;
+  WriteText(Out("run") + "/config.yaml", text);
   const Outcome outcome = RunProgram({"replay", Out("run") + "/log", "--out", Out("again")});
   EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
   EXPECT_NE(outcome.err.find("another \"rig\""), std::string::npos) << outcome.err;
@@ -195,8 +235,8 @@ TEST_F(Run, TheMainConfigFindsItsLights) {
   const std::string config =
       (fs::path(TURNLIGHT_SOURCE_DIR) / "configs/simulated_turntable.yaml").string();
   ExpectRuns({"run", config, "--out", Out("main")});
-  const auto result = nlohmann::json::parse(*ReadFile(Out("main") + "/result/result.json"));
-  const auto truth = nlohmann::json::parse(*ReadFile(Out("main") + "/session/truth.json"));
+  const auto result = nlohmann::json::parse(ReadText(Out("main") + "/result/result.json"));
+  const auto truth = nlohmann::json::parse(ReadText(Out("main") + "/session/truth.json"));
   EXPECT_EQ(result["views"], 36);
   ASSERT_EQ(result["lights"].size(), truth["lights"].size());
   const auto near = [](const nlohmann::json& found, double is) {
@@ -227,7 +267,7 @@ TEST_F(Run, TheMainConfigFindsItsLights) {
 
 TEST_F(Run, ProvenanceNamesProgramAndTime) {
   ExpectRuns({"capture", config_, "--out", Out("run")});
-  const std::string lines = *ReadFile(Out("run") + "/session/provenance.jsonl");
+  const std::string lines = ReadText(Out("run") + "/session/provenance.jsonl");
   const auto run = nlohmann::json::parse(lines.substr(0, lines.find('\n')));
   EXPECT_FALSE(run["program_version"].get<std::string>().empty());
   EXPECT_FALSE(run["program_commit"].get<std::string>().empty());
@@ -245,6 +285,14 @@ TEST_F(Run, PlanAndGraphChangeNothing) {
   EXPECT_NE(graph.out.find("keyframes"), std::string::npos);
   const Outcome dot = RunProgram({"graph", config_, "--dot"});
   EXPECT_EQ(dot.out.rfind("digraph", 0), 0u) << dot.out;
+}
+
+TEST_F(Run, AMisspeltSectionIsNamed) {
+  const Outcome outcome =
+      RunProgram({"plan", Config("rigg.yaml", "simulated_turntable.yaml", "\nrig:", "\nrigg:")});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("rigg: unknown key"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("did you mean \"rig\"?"), std::string::npos) << outcome.err;
 }
 
 TEST_F(Run, UnknownDriverIsRefusedWithWhatIsAllowed) {

@@ -1,28 +1,23 @@
-// Proves the small parts of the command line by themselves: nearest words, progress lines, settings
-// and lights. Does not prove that the commands use them; the other tests of this folder do.
+// Proves the small parts of the command line by themselves: progress lines, settings,
+// lights, the words at a run's end, interrupts. Does not prove that the commands use them; the
+// other tests of this folder do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <cstdlib>
+
+#include "app/exit_code.h"
+#include "app/interrupt.h"
 #include "app/progress.h"
+#include "app/run_outcome.h"
 #include "app/scene_overrides.h"
-#include "app/suggest.h"
 #include "base/angles.h"
 
 namespace turnlight::app {
 namespace {
 
 using ::testing::HasSubstr;
-
-TEST(Nearest, FindsSlipsOfTheFingerOnly) {
-  const std::vector<std::string> words{"--method", "--views", "--out"};
-  EXPECT_EQ(Nearest("--metod", words), "--method");
-  EXPECT_EQ(Nearest("--mehtod", words), "--method");
-  EXPECT_EQ(Nearest("--view", words), "--views");
-  EXPECT_EQ(Nearest("--outt", words), "--out");
-  EXPECT_EQ(Nearest("--something", words), "");
-  EXPECT_EQ(Nearest("", words), "");
-  EXPECT_EQ(Nearest(std::string(10000, 'x'), words), "");
-}
 
 TEST(Progress, LineShowsRateAndTimeLeft) {
   EXPECT_EQ(Progress::Line("rendering", 12, 36, 4.0), "rendering 12/36, 3 per s, 8 s left");
@@ -31,6 +26,38 @@ TEST(Progress, LineShowsRateAndTimeLeft) {
   EXPECT_EQ(Progress::Line("reading", 1, 10000, 1.0), "reading 1/10000, 1 per s, 2 h 46 min left");
   EXPECT_EQ(Progress::Line("rendering", 36, 36, 12.0), "rendering 36/36, 3 per s");
   EXPECT_EQ(Progress::Line("rendering", 0, 36, 0.0), "rendering 0/36");
+}
+
+TEST(RunOutcome, SaysWhatEndedTheRunUnlessThatWasShown) {
+  graph::RunReport report;
+  report.failure = graph::Fault{"camera", "device", "gone", false};
+  report.hung = {"table"};
+  RunOutcome outcome{.report = report, .missing = 2};
+  EXPECT_EQ(OutcomeText(outcome, "go on"),
+            "turnlight: camera: device: gone\n"
+            "turnlight: table: hangs: it did not come back when the run stopped, and was left\n"
+            "turnlight: 2 frames are missing, the others are safe; go on\n");
+  EXPECT_EQ(ExitCodeOf(outcome), kDeviceFault);
+  outcome.failure_shown = true;
+  EXPECT_THAT(OutcomeText(outcome, ""), testing::Not(HasSubstr("gone")));
+}
+
+TEST(RunOutcome, SaysNothingWhenAllIsDone) {
+  const graph::RunReport report;
+  EXPECT_EQ(OutcomeText({.report = report, .session_complete = true}, "go on"), "");
+  EXPECT_EQ(ExitCodeOf(RunOutcome{.report = report, .session_complete = true}), kDone);
+  EXPECT_EQ(ExitCodeOf(RunOutcome{.report = report}), kIncomplete);
+}
+
+TEST(InterruptDeathTest, OneThatCameBeforeEndsWhatNeedNotBeFinished) {
+  EXPECT_EXIT(
+      {
+        InstallInterruptHandler();
+        std::raise(SIGINT);
+        const InterruptAtOnce reading;
+        std::exit(0);
+      },
+      testing::ExitedWithCode(kInterrupted), "interrupted");
 }
 
 std::string SettingError(const std::string& setting) {

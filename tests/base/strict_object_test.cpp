@@ -110,6 +110,16 @@ TEST(StrictObject, MissingKey) {
     EXPECT_EQ(Refusal("{}", read), "f.json: k: this key is missing");
 }
 
+TEST(StrictObject, AMisspeltKeyIsNamedInsteadOfTheMissingOne) {
+  const Document document = *ParseJson(R"({"raduis": 3, "mask": "m"})", "f.json");
+  StrictObject object(document);
+  object.Number("radius");
+  const Status status = object.Finish();  // before anybody asked for the mask
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().text, AllOf(HasSubstr("f.json: raduis: unknown key"),
+                                         HasSubstr("did you mean \"radius\"?")));
+}
+
 TEST(StrictObject, WrongKind) {
   const std::string text = R"({"k": "5"})";
   const auto refusal = [&](auto read) { return Refusal(text, read); };

@@ -141,7 +141,7 @@ TEST(KeyframesNode, GivesUpAfterTheRetriesAndKeepsTheGoodFrames) {
   const MockRigRun run = RunMockRig(options);
   ASSERT_TRUE(run.report.failure);
   EXPECT_EQ(run.report.failure->code, "incomplete");
-  EXPECT_THAT(run.report.failure->text, HasSubstr("frame 2 (60 deg), attempt 4 of 4"));
+  EXPECT_THAT(run.report.failure->text, HasSubstr("frame 2 (60.0 deg), attempt 4 of 4"));
   EXPECT_EQ(run.brackets.size(), 2u);
 }
 

@@ -9,12 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "nodes/calibration_node.h"
-#include "nodes/camera_node.h"
-#include "nodes/estimator_node.h"
-#include "nodes/logger_node.h"
-#include "nodes/recorder_node.h"
-#include "nodes/turntable_node.h"
+#include "nodes/capture_nodes.h"
 #include "rig/capture/session_recorder.h"
 #include "rig/sim/blob.h"
 
@@ -90,63 +85,47 @@ using Recorder = std::shared_ptr<rig::SessionRecorder>;
 Recorder OpenRecorder(const MockRigOptions& options, const MockRigRun& run) {
   if (options.session.empty()) return nullptr;
   const rig::Studio& studio = run.camera->studio();
-  std::filesystem::create_directories(options.session);
-  const auto mesh_file = options.session.parent_path() / "lump.ply";
-  Expect(WriteFileAtomic(mesh_file, rig::MeshToPly(std::get<calib::MeshShape>(studio.target))));
-  const rig::CaptureSetup setup{.plan = options.plan,
-                                .config_text = "a test",
-                                .name = "lump",
-                                .length_unit = "mm",
-                                .camera = studio.camera,
-                                .radiometry = studio.radiometry,
-                                .bayer = std::nullopt,
-                                .target = rig::MeshFile{mesh_file.string()},
-                                .format = {{kColumns, kRows}, 3, CV_16U},
-                                .camera_identity = {"turnlight", "mock camera", "1"},
-                                .table_identity = {"turnlight", "mock turntable", "1"}};
+  const auto& lump = std::get<calib::MeshShape>(studio.target);
+  const rig::CaptureSetup setup{
+      .plan = options.plan,
+      .config_text = "a test",
+      .name = "lump",
+      .length_unit = "mm",
+      .camera = studio.camera,
+      .radiometry = studio.radiometry,
+      .bayer = std::nullopt,
+      .target = rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(lump)},
+      .format = {{kColumns, kRows}, 3, CV_16U},
+      .camera_identity = {"turnlight", "mock camera", "1"},
+      .table_identity = {"turnlight", "mock turntable", "1"}};
   const bool begun = std::filesystem::exists(options.session / rig::kJournalFile);
   return std::make_shared<rig::SessionRecorder>(
       Expect(begun ? rig::SessionRecorder::Resume(options.session, setup, {}, *options.disk)
                    : rig::SessionRecorder::Start(options.session, setup, {}, *options.disk)));
 }
 
-RigCalibration CalibrationOf(const rig::CapturePlan& plan, std::shared_ptr<rig::MockCamera> mock) {
-  const rig::Studio& studio = mock->studio();
-  return {studio.camera, rig::RawRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db),
-          rig::SessionRadiometry(studio.radiometry, plan.exposures_us, plan.gain_db),
-          rig::SensorNoise{}, [mock](double angle_deg) {
-            const rig::Placement placed = mock->PlacementAt(angle_deg);
-            return CameraAndTarget{placed.X_WC, placed.X_WT};
-          }};
-}
-
 // What is created here lives on in the nodes; run must outlive them for the logger's lines.
 graph::NodeRegistry MakeNodes(const MockRigOptions& options, MockRigRun& run,
                               const Recorder& recorder) {
+  const rig::Studio& studio = run.camera->studio();
   std::shared_ptr<rig::Camera> camera = run.camera;
   if (options.wrap_camera) camera = options.wrap_camera(camera);
-  const KeyframesJob job{options.plan,
-                         recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
-                         run.camera->studio().radiometry,
-                         options.gate,
-                         options.check_arrival,
-                         options.settle};
-  graph::NodeRegistry registry;
-  registry.Add("keyframes", [job] { return std::make_unique<KeyframesNode>(job); });
-  registry.Add("turntable", [table = run.table] { return std::make_unique<TurntableNode>(table); });
-  registry.Add("camera", [camera] { return std::make_unique<CameraNode>(camera); });
-  registry.Add("calibration", [plan = options.plan, mock = run.camera] {
-    return std::make_unique<CalibrationNode>(CalibrationOf(plan, mock));
-  });
-  registry.Add("recorder", [recorder] { return std::make_unique<RecorderNode>(recorder); });
-  registry.Add("estimator", [mock = run.camera] {
-    return std::make_unique<EstimatorNode>(mock->studio().target);
-  });
-  registry.Add("logger", [&run] {
-    return std::make_unique<LoggerNode>(
-        [&run](const std::string& line) { run.lines.push_back(line); });
-  });
-  return registry;
+  Expect(run.table->Open(rig::DeviceTime(0)));
+  Expect(camera->Open(rig::DeviceTime(0)));
+  return CaptureNodes(
+      {run.table,
+       camera,
+       {options.plan, recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
+        studio.radiometry, options.gate, options.check_arrival, options.settle},
+       studio.camera,
+       rig::SensorNoise{},
+       [mock = run.camera](double angle_deg) {
+         const rig::Placement placed = mock->PlacementAt(angle_deg);
+         return CameraAndTarget{placed.X_WC, placed.X_WT};
+       },
+       studio.target,
+       recorder,
+       [&run](const std::string& line) { run.lines.push_back(line); }});
 }
 
 // Appends every message of the topic to the list.

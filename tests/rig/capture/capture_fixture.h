@@ -123,8 +123,6 @@ class FaultyOps : public FileOps {
 class CaptureFixture : public testing::Test {
  protected:
   CaptureFixture() : setup_{MakeSetup()} {
-    EXPECT_TRUE(
-        WriteFileAtomic(folder_.path() / "cube.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
     const auto raw = RawRadiometry(setup_.radiometry, setup_.plan.exposures_us, 0.0);
     for (const PlannedFrame& planned : PlannedFrames(setup_.plan)) {
       cv::Mat one(kHeight, kWidth, CV_16UC3);
@@ -159,7 +157,7 @@ class CaptureFixture : public testing::Test {
             .camera = calib::CameraModel::Pinhole(kWidth, kHeight, 20.0, 20.0, 7.5, 5.5),
             .radiometry = radiometry,
             .bayer = std::nullopt,
-            .target = MeshFile{(folder_.path() / "cube.OBJ").string()},
+            .target = MeshCopy{MeshFormat::kObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
             .format = {{kWidth, kHeight}, 3, CV_16U},
             .camera_identity = {"Maker", "C", "77"},
             .table_identity = {"Maker", "T", "5"}};

@@ -39,7 +39,8 @@ class Closure : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(root_); }
 
-  Result<std::optional<ClosureCheck>> Check(const cv::Mat& closure_view, bool closure = true) {
+  Result<std::optional<ClosureCheck>> Check(const cv::Mat& closure_view, bool closure = true,
+                                            double light = 1.0) {
     CapturePlan plan;
     plan.count = 2;
     plan.step_deg = 180.0;
@@ -67,7 +68,7 @@ class Closure : public testing::Test {
     for (const PlannedFrame& planned : recorder->Missing()) {
       RecordedKeyframe keyframe;
       keyframe.index = planned.index;
-      keyframe.image = planned.closure ? closure_view : View(planned.index);
+      keyframe.image = planned.closure ? closure_view : View(planned.index, light);
       keyframe.exposure.exposure_us = 8000.0;
       const Status added = recorder->Add(keyframe);
       EXPECT_TRUE(added) << added.error().text;
@@ -89,6 +90,15 @@ TEST_F(Closure, EqualViewsPass) {
   EXPECT_THAT((*check)->text, HasSubstr("kept its place"));
 }
 
+// A camera without noise, or two files of one picture: nothing differs at all.
+TEST_F(Closure, IdenticalPicturesPass) {
+  const auto check = Check(View(0));
+  ASSERT_TRUE(check && *check) << (check ? "no verdict" : check.error().text);
+  EXPECT_TRUE((*check)->closed) << (*check)->text;
+  EXPECT_EQ((*check)->difference.block_share, 0.0);
+  EXPECT_THAT((*check)->text, HasSubstr("kept its place"));
+}
+
 TEST_F(Closure, ALightThatDriftsByHalfAPercentFails) {
   const auto check = Check(View(7, 0.995));
   ASSERT_TRUE(check && *check) << (check ? "no verdict" : check.error().text);
@@ -100,6 +110,13 @@ TEST_F(Closure, ATargetThatMovedByAPixelFails) {
   const auto check = Check(View(7, 1.0, 1));
   ASSERT_TRUE(check && *check) << (check ? "no verdict" : check.error().text);
   EXPECT_FALSE((*check)->closed) << (*check)->text;
+}
+
+TEST_F(Closure, PicturesWithoutALitBlockFail) {
+  const auto check = Check(View(7, 0.0), true, 0.0);
+  ASSERT_TRUE(check && *check) << (check ? "no verdict" : check.error().text);
+  EXPECT_FALSE((*check)->closed) << (*check)->text;
+  EXPECT_THAT((*check)->text, HasSubstr("too dark"));
 }
 
 TEST_F(Closure, WithoutAClosureFrameThereIsNoVerdict) {

@@ -97,7 +97,7 @@ TEST_F(SessionRecorderTest, OneExposureIsStoredAsItCame) {
 TEST_F(SessionRecorderTest, ProvenanceTellsWhoWhatAndWhen) {
   keyframes_[1].provenance.attempts = 2;
   keyframes_[1].provenance.rejected = {"arrived 0.3 deg off"};
-  keyframes_[1].provenance.counters = {{"frame_id", 17}};
+  keyframes_[1].provenance.counters = {{{"frame_id", 17}}, {{"frame_id", 18}}};
   keyframes_[1].provenance.exposure_begin = std::chrono::milliseconds(1500);
   { StartWith(2); }
   ASSERT_TRUE(Capture(root()));
@@ -116,7 +116,8 @@ TEST_F(SessionRecorderTest, ProvenanceTellsWhoWhatAndWhen) {
   EXPECT_EQ(lines[0]["mesh_sha256"], Sha256Hex(Get("target.obj")));
   EXPECT_EQ(lines[2]["attempts"], 2);
   EXPECT_EQ(lines[2]["rejected"][0], "arrived 0.3 deg off");
-  EXPECT_EQ(lines[2]["counters"]["frame_id"], 17);
+  EXPECT_EQ(lines[2]["counters"][0]["frame_id"], 17);
+  EXPECT_EQ(lines[2]["counters"][1]["frame_id"], 18);
   EXPECT_EQ(lines[2]["exposure_begin_s"], 1.5);
   EXPECT_EQ(lines[2]["angle_deg"], 10.0);
   EXPECT_EQ(lines[2]["angle_measured_deg"], 10.01);
@@ -211,8 +212,10 @@ TEST_F(SessionRecorderTest, SetupsThatMakeNoSessionAreRefused) {
   EXPECT_THAT(refuse([](auto& s) { s.bayer = "RGGB"; }), HasSubstr("mosaic"));
   EXPECT_THAT(refuse([](auto& s) { s.radiometry.encoding = calib::Encoding::kSrgb; }),
               HasSubstr("linear"));
-  EXPECT_THAT(refuse([](auto& s) { s.target = MeshFile{"/nowhere.ply"}; }),
-              HasSubstr("/nowhere.ply"));
+  EXPECT_THAT(refuse([](auto& s) {
+                s.target = MeshCopy{MeshFormat::kPly, "ply, it says"};
+              }),
+              HasSubstr("target.ply"));
 }
 
 TEST_F(SessionRecorderTest, FoldersInUseAreRefused) {
@@ -276,7 +279,7 @@ TEST_F(SessionRecorderTest, ResumeWantsTheSameCapture) {
   setup_.plan.count = 4;
   EXPECT_THAT(ResumeError(), HasSubstr("another plan"));
   setup_ = setup;
-  ASSERT_TRUE(WriteFileAtomic(folder_.path() / "cube.OBJ", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n"));
+  setup_.target = MeshCopy{MeshFormat::kObj, "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n"};
   EXPECT_THAT(ResumeError(), HasSubstr("mesh (SHA-256)"));
 }
 

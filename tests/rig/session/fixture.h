@@ -13,27 +13,12 @@
 #include "base/file.h"
 #include "calib/camera_model.h"
 #include "rig/session/image_file.h"
+#include "tests/temporary_folder.h"
 
 namespace turnlight::rig {
 
 constexpr int kWidth = 16;
 constexpr int kHeight = 12;
-
-// A folder that is gone after the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "turnlight.XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // A picture with a different value in every channel of every pixel, over the type's whole range.
 inline cv::Mat Pattern(int type, int width = kWidth, int height = kHeight) {

@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
+#include "tests/temporary_folder.h"
 
 namespace turnlight::rig {
 namespace {
@@ -41,19 +42,6 @@ SyntheticSession Make(const SyntheticConfig& config) {
   if (!session) std::abort();
   return std::move(*session);
 }
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "turnlight-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 TEST(SyntheticSession, SameBitsForAnyNumberOfThreads) {
   SyntheticConfig config = Small();

@@ -1,0 +1,21 @@
+#include "app/closure.h"
+
+#include <iostream>
+
+#include "app/exit_code.h"
+
+namespace turnlight::app {
+
+Result<std::optional<rig::ClosureCheck>> TellClosure(const std::filesystem::path& session) {
+  auto closure = rig::CheckClosure(session);
+  if (closure && *closure)
+    std::cerr << ((*closure)->closed ? "" : "turnlight: ") << "closure: " << (*closure)->text
+              << std::endl;
+  return closure;
+}
+
+int ExitCodeOf(const std::optional<rig::ClosureCheck>& closure) {
+  return closure && !closure->closed ? kDeviceFault : kDone;
+}
+
+}  // namespace turnlight::app

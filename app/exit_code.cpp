@@ -1,0 +1,30 @@
+#include "app/exit_code.h"
+
+#include <iostream>
+
+namespace turnlight::app {
+namespace {
+
+int ExitCodeOf(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kInput:
+    case ErrorKind::kSystem:
+      return kRefused;
+    case ErrorKind::kIncomplete:
+      return kIncomplete;
+    case ErrorKind::kDevice:
+      return kDeviceFault;
+    case ErrorKind::kNoEstimate:
+      return kNoEstimate;
+  }
+  return kRefused;
+}
+
+}  // namespace
+
+int Fail(const Error& error) {
+  std::cerr << "turnlight: " << error.text << std::endl;
+  return ExitCodeOf(error.kind);
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,18 @@
+// How the program ends.
+#pragma once
+
+#include "base/result.h"
+
+namespace turnlight::app {
+
+inline constexpr int kDone = 0;
+inline constexpr int kRefused = 2;     // usage, config or input
+inline constexpr int kIncomplete = 3;  // some frames lost, the rest kept
+inline constexpr int kDeviceFault = 4;
+inline constexpr int kNoEstimate = 5;
+inline constexpr int kInterrupted = 130;
+
+// Prints the error on standard error and gives its exit code.
+int Fail(const Error& error);
+
+}  // namespace turnlight::app

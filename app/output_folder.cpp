@@ -1,0 +1,28 @@
+#include "app/output_folder.h"
+
+#include <algorithm>
+#include <system_error>
+
+namespace turnlight::app {
+
+namespace fs = std::filesystem;
+
+Status CheckOutputFolder(const fs::path& out, const fs::path& session) {
+  std::error_code code;
+  const fs::path real_out = fs::weakly_canonical(fs::absolute(out), code);
+  if (code) return InputError(out.string() + ": not a usable path: " + code.message());
+  const fs::path real_session = fs::weakly_canonical(fs::absolute(session), code);
+  if (!code) {
+    const auto [end, rest] =
+        std::mismatch(real_session.begin(), real_session.end(), real_out.begin(), real_out.end());
+    if (end == real_session.end())
+      return InputError("--out: " + out.string() + " is the session's folder or lies within it, " +
+                        "allowed is a folder outside " + session.string() +
+                        ": a session's data never changes");
+  }
+  if (fs::exists(real_out, code) && !fs::is_directory(real_out, code))
+    return InputError("--out: " + out.string() + " is a file, allowed is a folder");
+  return {};
+}
+
+}  // namespace turnlight::app

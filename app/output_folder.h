@@ -1,0 +1,14 @@
+// Where a command may write.
+#pragma once
+
+#include <filesystem>
+
+#include "base/result.h"
+
+namespace turnlight::app {
+
+// Refuses (kInput) as a folder for output: a file, and a folder that is the session's or lies
+// within it, as raw data never changes. Creates nothing.
+Status CheckOutputFolder(const std::filesystem::path& out, const std::filesystem::path& session);
+
+}  // namespace turnlight::app
