@@ -1,6 +1,6 @@
 #include "estimator/held_out.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "base/format.h"
 #include "estimator/normal_equations.h"
@@ -8,7 +8,7 @@
 namespace turnlight::estimator {
 namespace {
 
-constexpr double kLeastShare = 0.002;
+constexpr double kLeastShare = 0.002, kPlain = 3.0;
 
 struct Fit {
   std::vector<std::vector<float>> model;  // per channel
@@ -51,16 +51,16 @@ Candidate CheckHeldOut(const Observations& held_out, const Sample& sample, Candi
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
     const Fit without = Explain(held_out, Without(scene, l));
     const double share = (with.sum - without.sum) / std::max(light, 1e-300);
-    const bool matters = share > kLeastShare && without.square > with.square;
+    const double ratio = ExcessVariance(without.square / values, sample.noise) /
+                         ExcessVariance(with.square / values, sample.noise);
+    const bool matters = without.square > with.square && (share > kLeastShare || ratio > kPlain);
     const Eigen::Vector3d& u = scene.lights[l].direction;
     ladder.push_back(
         {"held-out light", matters,
-         Format(
-             "the light from (%+.2f, %+.2f, %+.2f) gives %.2g %% of the light on pixels that were "
-             "held out, and without it their residual rms is %.3g instead of %.3g; it counts from "
-             "%.1g %%",
-             u.x(), u.y(), u.z(), 100.0 * share, std::sqrt(without.square / values),
-             std::sqrt(with.square / values), 100.0 * kLeastShare)});
+         Format("the light from (%+.2f, %+.2f, %+.2f) gives %.2g %% of the light on held-out "
+                "pixels, and without it their excess variance is %.3g times as large; it counts "
+                "from %.1g %% or %.0f times",
+                u.x(), u.y(), u.z(), 100.0 * share, ratio, 100.0 * kLeastShare, kPlain)});
     if (matters || sample.choice.lights) kept.push_back(scene.lights[l]);
   }
   if (kept.size() == scene.lights.size()) return candidate;

@@ -8,9 +8,10 @@
 
 namespace turnlight::estimator {
 
-// Removes from the candidate every light that gives 0.2 % or less of the light on held-out pixels,
-// or whose absence would not make their residuals larger; fits the rest again on the sample. One
-// rung per light. With sample.choice.lights it only says so.
+// Removes from the candidate every light without which held-out pixels' residuals would not be
+// larger; or not much, their excess variance less than three times as large, if it gives 0.2 % or
+// less of their light. (A light near the horizon gives little and may yet be plain to see.) Fits
+// the rest again on the sample. One rung per light. With sample.choice.lights it only says so.
 Candidate CheckHeldOut(const Observations& held_out, const Sample& sample, Candidate candidate,
                        std::vector<Rung>& ladder);
 

@@ -161,7 +161,7 @@ void ExpectSame(const NormalEquations& equations, const Reference& reference, do
 // bound towards its edge, and the rounding with it.
 double Rounding(const Scene& scene) {
   const double n = scene.reflectance.shininess;
-  return n < 1.0 ? 3e-5 : 3e-7 * n;
+  return n < 1.0 ? 1e-4 : 3e-7 * n;
 }
 
 struct Models {
@@ -245,6 +245,10 @@ TEST(FootprintTest, GradientIsTheSlopeOfTheCost) {
       for (auto& component : all.observations.footprint)
         for (std::size_t i = 0; i < component.size(); ++i)
           component[i] = ToBFloat16(static_cast<float>(0.03 * random.Normal(i)));
+      for (std::size_t k = 0; k < 6; ++k)
+        for (std::size_t i = 0; i < all.observations.step[k].size(); ++i)
+          all.observations.step[k][i] =
+              ToBFloat16(static_cast<float>(0.03 * random.Normal(100000 * (k + 1) + i)));
       EvaluateOptions options;
       options.samples_per_side.assign(all.observations.tiles(), 3);
       options.huber = huber;
