@@ -65,6 +65,8 @@ Summary SummariseCoverage(const StudyFile& file) {
   }
   out.text += Format("  %d scenes, %d draws, of which %d with a wrong count are left out\n", scenes,
                      draws, wrong);
+  Accept(out, "draws with the right number of lights", static_cast<std::size_t>(draws - wrong),
+         static_cast<std::size_t>(draws), 0.95);
   out.text += "  sigma_total         values  within 1 sigma                    within 1.96 sigma\n";
   std::string stat = "  sigma_stat\n";
   for (const auto& [name, errors] : by_name) {

@@ -18,7 +18,8 @@ void CheckSession(const Json& record, const Limits& limits, Summary& out) {
   const std::string id = record["id"];
   double direction = 0.0, distance = 0.0, product = 0.0;
   for (const Quantity& quantity : Quantities(record)) {
-    const double relative = std::abs(quantity.Error() / quantity.truth);
+    const double scale = quantity.truth == 0.0 ? 1.0 : std::abs(quantity.truth);
+    const double relative = std::abs(quantity.Error()) / scale;
     if (quantity.name == "direction")
       direction = std::max(direction, quantity.Error());
     else if (quantity.name == "distance")

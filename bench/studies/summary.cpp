@@ -58,11 +58,7 @@ Summary SummariseRandom(const StudyFile& file, int worst) {
   const auto records = Measured(file, out.text);
   std::vector<const Json*> right, wrong;
   for (const Json* record : records) (Right(*record) ? right : wrong).push_back(record);
-  Accept(out, "number of lights right", right.size(),
-         records.size() + static_cast<std::size_t>(std::count_if(
-                              file.records.begin(), file.records.end(),
-                              [](const auto& r) { return r.second.contains("failed"); })),
-         0.95);
+  Accept(out, "number of lights right", right.size(), Attempted(file), 0.95);
   std::size_t good = 0, all = 0;
   CountDirections(records, 3.0, good, all);
   Accept(out, "directions within 3 sigma_total", good, all, 0.95);
@@ -103,6 +99,27 @@ std::string EightGroup(const Json& record) {
   return id.substr(6, id.rfind('/') - 6);
 }
 
+// What the paper's method found beside: lights, those within 5 degrees of a true one, its rms.
+std::string PaperTable(const std::vector<const Json*>& records) {
+  constexpr double kNearDeg = 5.0;
+  std::string text = "    scene                                   lights  within 5 deg       rms\n";
+  for (const Json* record : records) {
+    const Json paper = record->value("paper", Json::object());
+    if (!paper.contains("angles_deg")) {
+      text += Format("    %-38s %s\n", (*record)["id"].get<std::string>().c_str(),
+                     paper.value("failed", std::string("not run")).c_str());
+      continue;
+    }
+    const Json& angles = paper["angles_deg"];
+    const auto near = std::count_if(angles.begin(), angles.end(), [](const Json& a) {
+      return a.is_number() && a.get<double>() <= kNearDeg;
+    });
+    text += Format("    %-38s %7d %13td %9.2g\n", (*record)["id"].get<std::string>().c_str(),
+                   paper["lights_found"].get<int>(), near, paper.value("rms", 0.0));
+  }
+  return text;
+}
+
 Summary SummariseEight(const StudyFile& file, int worst) {
   Summary out;
   const auto records = Measured(file, out.text);
@@ -111,8 +128,10 @@ Summary SummariseEight(const StudyFile& file, int worst) {
       out, "all eight within 0.5 degree, none too many",
       static_cast<std::size_t>(std::count_if(
           records.begin(), records.end(), [&](const Json* record) { return all_found(*record); })),
-      file.records.size(), 1.0);
+      Attempted(file), 1.0);
   out.text += Breakdown(records, "found", EightGroup, all_found) + Times(records);
+  out.text += "\n  the paper's method on the same pictures\n";
+  out.text += PaperTable(records);
   out.text += "\n" + QuantityTable(records) + "\n" + WorstScenes(records, worst);
   return out;
 }
@@ -124,7 +143,7 @@ Summary SummariseHandStart(const StudyFile& file, int worst) {
   Accept(out, "right basin: right count, all within 1 degree",
          static_cast<std::size_t>(std::count_if(
              records.begin(), records.end(), [&](const Json* record) { return basin(*record); })),
-         records.size(), 0.95);
+         Attempted(file), 0.95);
   out.text += Breakdown(
       records, "lights", [](const Json& r) { return r["lights_true"].dump(); }, basin);
   out.text += Breakdown(

@@ -36,7 +36,11 @@ std::string Row(const std::string& name, const Column& column) {
 
 void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
             double wanted_share) {
-  const double share = all > 0 ? static_cast<double>(good) / static_cast<double>(all) : 1.0;
+  if (all == 0) {
+    summary.text += Format("  none   %-46s nothing to judge\n", what.c_str());
+    return;
+  }
+  const double share = static_cast<double>(good) / static_cast<double>(all);
   const bool holds = share >= wanted_share;
   summary.accepted &= holds;
   summary.text +=
@@ -106,6 +110,12 @@ std::vector<const Json*> Measured(const StudyFile& file, std::string& text) {
       records.push_back(&record);
   }
   return records;
+}
+
+std::size_t Attempted(const StudyFile& file) {
+  return static_cast<std::size_t>(
+      std::count_if(file.records.begin(), file.records.end(),
+                    [](const auto& record) { return !record.second.contains("left_out"); }));
 }
 
 bool Right(const Json& record) { return record["right"].get<bool>(); }

@@ -14,6 +14,7 @@ namespace turnlight::studies {
 // "  holds  COUNT RIGHT        190 of 200 = 95.0 %, wanted 95 %"
 void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
             double wanted_share);
+// "none" instead, and nothing decided, if there is nothing to judge.
 // The same with a measured value and what it may be at most.
 void AcceptAtMost(Summary& summary, const std::string& what, double value, double limit,
                   const char* unit);
@@ -36,6 +37,9 @@ Summary SummariseExtremes(const StudyFile& file);
 
 // Records without "failed" and "left_out"; the others are told in `text`.
 std::vector<const Json*> Measured(const StudyFile& file, std::string& text);
+
+// How many records there are, those without a result too; not those left out beforehand.
+std::size_t Attempted(const StudyFile& file);
 
 // Whether the number of lights is right.
 bool Right(const Json& record);
