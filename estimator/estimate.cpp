@@ -18,8 +18,6 @@ namespace {
 // Pixels that a start is found on; with noise of more than 2 % of white more, up to eight times.
 constexpr double kSampleSize = 6000.0, kSampledNoise = 0.02, kMostSamples = 8.0;
 constexpr std::size_t kMinPixels = 30;
-constexpr double kClusterRadiusDeg = 25.0;
-constexpr double kHighShare = 0.5;  // of the map's range: the paper's high-intensity areas
 constexpr double kManyOutliers = 0.005, kMostOutliers = 0.35;  // of the target's pixels
 constexpr double kDarkRadiance = 1e-7;                         // white is 1: nothing was lit
 constexpr double kUnexplained = 2.0;  // residual rms over noise that something is missing from

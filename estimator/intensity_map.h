@@ -15,6 +15,11 @@ struct IntensityMap {
   cv::Mat1f intensity;
 };
 
+// The paper's high-intensity areas and their clusters: share of the map's range, and the radius of
+// leader clustering (section 3.2).
+inline constexpr double kHighShare = 0.5;
+inline constexpr double kClusterRadiusDeg = 25.0;
+
 // Every pixel's grey value is plotted at the direction of its mirrored view; a cell is the mean.
 // Then a Gaussian of sigma_deg on the sphere (wide enough to close the gaps between samples).
 IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg = 2.0);

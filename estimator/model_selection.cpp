@@ -43,8 +43,10 @@ void SolveOn(const Observations& observations, Refined& out) {
                               out.solution.evaluate.shadows);
   out.options.evaluate = out.solution.evaluate;
   out.iterations += out.solution.iterations;
-  out.cost_history.insert(out.cost_history.end(), out.solution.cost_history.begin(),
-                          out.solution.cost_history.end());
+  // A solve begins where the last one ended.
+  const std::vector<double>& costs = out.solution.cost_history;
+  out.cost_history.insert(out.cost_history.end(),
+                          costs.begin() + (out.cost_history.empty() ? 0 : 1), costs.end());
 }
 
 // Where the residual is mere noise, squares are the best there is. Where it is more, what is left

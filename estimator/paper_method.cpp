@@ -14,8 +14,6 @@ namespace turnlight::estimator {
 namespace {
 
 // What the paper does not state; docs/paper_method.md, "What is open".
-constexpr double kHighShare = 0.5;          // of the map's range
-constexpr double kClusterRadiusDeg = 25.0;  // of leader clustering
 constexpr double kFirstStep = 1.0;
 constexpr double kArmijo = 1e-4;  // share of the linear model's decrease that a step must reach
 constexpr int kMaxHalvings = 40;

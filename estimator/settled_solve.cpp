@@ -27,6 +27,7 @@ Solution SolveSettled(const Observations& observations, const Scene& start, Solv
     evaluate.shadows = std::move(shadows);
     Solution next = Solve(observations, solution.scene, options);
     next.iterations += solution.iterations;
+    next.cost_history.erase(next.cost_history.begin());
     next.cost_history.insert(next.cost_history.begin(), solution.cost_history.begin(),
                              solution.cost_history.end());
     solution = std::move(next);

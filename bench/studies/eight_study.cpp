@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
-#include <cstdio>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "base/random.h"
 #include "bench/studies/studies.h"
 #include "bench/studies/take.h"
@@ -75,9 +75,8 @@ std::vector<Job> EightJobs(Range arrangements) {
     for (const bool mesh : {false, true})
       for (const int views : {20, 10})
         for (const double noise : {0.0, 0.01}) {
-          char id[64];
-          std::snprintf(id, sizeof id, "eight/%s/%d-views/noise-%g/%03d", mesh ? "lump" : "ball",
-                        views, noise, i);
+          const std::string id =
+              Format("eight/%s/%d-views/noise-%g/%03d", mesh ? "lump" : "ball", views, noise, i);
           jobs.push_back({id, [=] { return WithPaper(EightConfig(i, mesh, views, noise)); }});
         }
   return jobs;

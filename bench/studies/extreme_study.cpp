@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "base/format.h"
 #include "bench/studies/extreme_cells.h"
 #include "bench/studies/score.h"
 #include "bench/studies/studies.h"
@@ -68,9 +68,8 @@ Json EstimateCell(const ExtremeCell& cell) {
 std::vector<Job> ExtremeJobs() {
   std::vector<Job> jobs;
   for (const ExtremeCell& cell : ExtremeCells()) {
-    char id[96];
-    std::snprintf(id, sizeof id, "%03zu/%s/%s", jobs.size(), cell.group.c_str(),
-                  cell.setting.c_str());
+    const std::string id =
+        Format("%03zu/%s/%s", jobs.size(), cell.group.c_str(), cell.setting.c_str());
     jobs.push_back({id, [cell] { return EstimateCell(cell); }});
   }
   return jobs;

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/angles.h"
+#include "base/format.h"
 
 namespace turnlight::studies {
 namespace {
@@ -90,15 +90,13 @@ void CompareReflectance(const Scene& truth, const Json& result, std::vector<Quan
 }
 
 std::string Say(const Json& record) {
-  char text[160];
   double worst = 0.0;
   for (const Json& angle : record["angles_deg"])
     worst = std::max(worst, angle.is_number() ? angle.get<double>() : 180.0);
-  std::snprintf(text, sizeof text, "%d of %d lights, worst direction %.3g deg, rms %.3g%s",
+  return Format("%d of %d lights, worst direction %.3g deg, rms %.3g%s",
                 record["lights_found"].get<int>(), record["lights_true"].get<int>(), worst,
                 record["rms"].is_number() ? record["rms"].get<double>() : -1.0,
                 record["right"].get<bool>() ? "" : "  WRONG COUNT");
-  return text;
 }
 
 }  // namespace
