@@ -38,7 +38,7 @@ Reach HowFar(const Eigen::VectorXd& d, const Eigen::VectorXd& target,
 }
 
 // The one at a bound that would lower the quadratic most by leaving it; -1: none.
-Eigen::Index MostEager(const Eigen::VectorXd& slope, const Eigen::MatrixXd& A,
+Eigen::Index MostEager(const Eigen::VectorXd& slope, const Eigen::MatrixXd& matrix,
                        const std::vector<State>& states) {
   constexpr double kRounding = 1e-12;
   Eigen::Index best = -1;
@@ -48,7 +48,7 @@ Eigen::Index MostEager(const Eigen::VectorXd& slope, const Eigen::MatrixXd& A,
     const double inwards = states[s] == State::kLow    ? -slope[i]
                            : states[s] == State::kHigh ? slope[i]
                                                        : 0.0;
-    const double gain = inwards / std::sqrt(A(i, i) > 0.0 ? A(i, i) : 1.0);
+    const double gain = inwards / std::sqrt(matrix(i, i) > 0.0 ? matrix(i, i) : 1.0);
     if (gain > kRounding && gain > most) {
       most = gain;
       best = i;
@@ -59,18 +59,18 @@ Eigen::Index MostEager(const Eigen::VectorXd& slope, const Eigen::MatrixXd& A,
 
 }  // namespace
 
-Eigen::VectorXd MinimiseInBox(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+Eigen::VectorXd MinimiseInBox(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& slope,
                               const Eigen::VectorXd& low, const Eigen::VectorXd& high) {
-  const Eigen::Index n = g.size();
+  const Eigen::Index n = slope.size();
   Eigen::VectorXd d = Eigen::VectorXd::Zero(n);
   std::vector<State> states(static_cast<std::size_t>(n), State::kFree);
   for (Eigen::Index i = 0; i < n; ++i) {
     State& state = states[static_cast<std::size_t>(i)];
-    if (!(A(i, i) > 0.0))
+    if (!(matrix(i, i) > 0.0))
       state = State::kNull;
-    else if (low[i] == 0.0 && g[i] >= 0.0)
+    else if (low[i] == 0.0 && slope[i] >= 0.0)
       state = State::kLow;
-    else if (high[i] == 0.0 && g[i] <= 0.0)
+    else if (high[i] == 0.0 && slope[i] <= 0.0)
       state = State::kHigh;
   }
   // Finite by itself; the limit is against rounding, which could let two take turns.
@@ -79,7 +79,7 @@ Eigen::VectorXd MinimiseInBox(const Eigen::MatrixXd& A, const Eigen::VectorXd& g
     Eigen::VectorXd held = d;
     held(free).setZero();
     const Eigen::VectorXd target =
-        Eigen::LLT<Eigen::MatrixXd>(A(free, free)).solve(-(g + A * held)(free));
+        Eigen::LLT<Eigen::MatrixXd>(matrix(free, free)).solve(-(slope + matrix * held)(free));
     const Reach reach = HowFar(d, target, free, low, high);
     for (std::size_t k = 0; k < free.size(); ++k) {
       const Eigen::Index i = free[k];
@@ -92,7 +92,7 @@ Eigen::VectorXd MinimiseInBox(const Eigen::MatrixXd& A, const Eigen::VectorXd& g
       states[static_cast<std::size_t>(i)] = at_low ? State::kLow : State::kHigh;
       continue;
     }
-    const Eigen::Index released = MostEager(g + A * d, A, states);
+    const Eigen::Index released = MostEager(slope + matrix * d, matrix, states);
     if (released < 0) break;
     states[static_cast<std::size_t>(released)] = State::kFree;
   }

@@ -119,7 +119,7 @@ void MarkOutliers(Channel& channel, float noise) {
 
 void MarkFloored(Channel& channel, float noise) {
   float floor = std::numeric_limits<float>::infinity();
-  std::size_t pixels = 0, at_floor = 0;
+  std::size_t pixels = 0, at_floor = 0, scattered = 0;
   cv::Mat1f value = cv::Mat1f::zeros(channel.value.size());
   cv::Mat1f weight = cv::Mat1f::zeros(channel.value.size());
   for (int row = 0; row < value.rows; ++row)
@@ -130,11 +130,20 @@ void MarkFloored(Channel& channel, float noise) {
         floor = std::min(floor, channel.value(row, column));
         ++pixels;
       }
+  // Noise scatters the lowest value; in a shadow without noise it fills an area.
+  const auto at = [&](int row, int column) {
+    return channel.Good(row, column) && channel.value(row, column) == floor;
+  };
   for (int row = 0; row < value.rows; ++row)
-    for (int column = 0; column < value.cols; ++column)
-      at_floor += weight(row, column) > 0.0f && value(row, column) == floor ? 1 : 0;
-  if (!(noise > 0.0f) || static_cast<double>(at_floor) < kManyAtFloor * static_cast<double>(pixels))
-    return;
+    for (int column = 0; column < value.cols; ++column) {
+      if (!at(row, column)) continue;
+      ++at_floor;
+      const bool surrounded =
+          at(row - 1, column) && at(row + 1, column) && at(row, column - 1) && at(row, column + 1);
+      scattered += surrounded ? 0 : 1;
+    }
+  const bool many = static_cast<double>(at_floor) >= kManyAtFloor * static_cast<double>(pixels);
+  if (!(noise > 0.0f) || !many || 2 * scattered < at_floor) return;
   const cv::Size window(2 * kReach + 1, 2 * kReach + 1);
   cv::boxFilter(value, value, -1, window);
   cv::boxFilter(weight, weight, -1, window);

@@ -22,7 +22,7 @@ enum BrokenPixel : std::uint8_t {
 // each other.
 //
 // A sensor without a black level shows noise below 0 as its lowest value. Where that value is
-// frequent and there is noise, pixels whose neighbourhood is within 2 sigma of it are floored:
+// frequent and scattered, pixels whose neighbourhood is within 2 sigma of it are floored:
 // their mean is not the radiance.
 cv::Mat1b FindBrokenPixels(const cv::Mat& radiance, const cv::Mat1b& target);
 

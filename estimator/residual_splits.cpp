@@ -109,6 +109,7 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
   out.footprint = kFootprintKnown * sampled([](std::uint8_t) { return std::uint8_t{1}; });
   out.edges = EdgesAlone(all, solution);
   out.alternatives = WithAlternatives(all, solution);
+  out.tilts = TiltNormals(all, solution);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "estimator/normal_tilt.h"
 #include "estimator/observations.h"
 #include "estimator/solver.h"
 
@@ -28,6 +29,7 @@ struct ResidualSplits {
   NormalEquations edges;
   // At the solution, for a surface just rough enough to have a slope (if it is Lambert's).
   NormalEquations alternatives;
+  TiltResponses tilts;  // of the normals
 };
 
 ResidualSplits SplitResiduals(const Observations& observations, const Solution& solution);

@@ -20,6 +20,8 @@ constexpr double kWeakShare = 1e-7;
 // Halves share some of the model's errors, which their difference does not show.
 constexpr double kCommon = 2.0;
 constexpr double kAlternativeSigmas = 2.0;
+constexpr double kTold = 0.02;       // of a tilt's curvature, beside everything else
+constexpr double kExplained = 0.02;  // of the residual variance, by a tilt that counts
 constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
 
 // The columns that count as unknowns: all that are not held. What ended at a bound could be on this
@@ -209,21 +211,55 @@ void AddHalf(const Eigen::VectorXd& gradient, const Scales& scales, Parts& out) 
   AddShift(shift, out.model);
 }
 
+// The normal equations' matrix over the unknowns, ready to be solved with; scaled to unit diagonal.
+struct Factors {
+  Eigen::VectorXd scale;
+  Eigen::LLT<Eigen::MatrixXd> llt;
+
+  explicit Factors(const Eigen::MatrixXd& matrix)
+      : scale(matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
+        llt(scale.asDiagonal() * matrix * scale.asDiagonal()) {}
+  bool Good() const { return llt.info() == Eigen::Success; }
+  Eigen::VectorXd Solve(const Eigen::VectorXd& right) const {
+    return scale.asDiagonal() * llt.solve(scale.asDiagonal() * right);
+  }
+};
+
 // What leaving out the pixels near edges changes, as far as it is more than noise.
 void AddEdges(const NormalEquations& all, const NormalEquations& edges, const Scales& scales,
               Parts& out) {
   const std::vector<int>& unknowns = scales.covariance.unknowns;
-  const Eigen::MatrixXd rest = (all.hessian - edges.hessian)(unknowns, unknowns);
-  const Eigen::VectorXd scale = rest.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> factors(scale.asDiagonal() * rest * scale.asDiagonal());
-  if (factors.info() != Eigen::Success) return;  // without them some things are not determined
-  const Eigen::VectorXd gradient = scale.asDiagonal() * edges.gradient(unknowns);
-  Eigen::VectorXd shift = scales.jacobian * (scale.asDiagonal() * factors.solve(gradient));
+  const Factors rest((all.hessian - edges.hessian)(unknowns, unknowns));
+  if (!rest.Good()) return;  // without them some things are not determined
+  Eigen::VectorXd shift = scales.jacobian * rest.Solve(edges.gradient(unknowns));
   for (Eigen::Index q = 0; q < shift.size(); ++q) {
     const double square = std::max(shift[q] * shift[q], 1e-300);
     shift[q] *= std::sqrt(std::max(1.0 - out.stat(q, q) / square, 0.0));
   }
   AddShift(shift, out.model);
+}
+
+// What tilting the normals the way the pictures ask for would change, as far as they do.
+void AddTilts(const TiltResponses& tilts, const Scales& scales, Parts& out) {
+  const std::vector<int>& unknowns = scales.covariance.unknowns;
+  const Factors sample(tilts.untilted.hessian(unknowns, unknowns));
+  if (!sample.Good()) return;
+  const Eigen::VectorXd own = tilts.untilted.gradient(unknowns);
+  for (const TiltResponse& tilt : tilts.axes) {
+    const Eigen::VectorXd mixed = tilt.mixed(unknowns);
+    const Eigen::VectorXd follow = sample.Solve(mixed);
+    const double curvature = tilt.curvature - mixed.dot(follow);
+    const double slope = tilt.slope - follow.dot(own);
+    // What the lights can follow anyway is not told apart from them.
+    if (!(curvature > kTold * tilt.curvature)) continue;
+    const double significance =
+        slope * slope / curvature / (scales.covariance.variance * scales.together);
+    const double noise = kAlternativeSigmas * kAlternativeSigmas;
+    const double explained = 0.5 * slope * slope / curvature / tilts.untilted.cost;
+    if (significance <= noise || explained < kExplained) continue;
+    AddShift(std::sqrt(1.0 - noise / significance) * slope / curvature * (scales.jacobian * follow),
+             out.model);
+  }
 }
 
 // What the unknowns would change by if one more column, which has a lower bound of 0 and is there,
@@ -285,6 +321,7 @@ Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSp
   AddEdges(solution.equations, splits.edges, scales, out);
   AddShift(jacobian * (scales.inverse * splits.finer(unknowns)), out.model);
   AddShift(jacobian * (scales.inverse * splits.footprint(unknowns)), out.model);
+  AddTilts(splits.tilts, scales, out);
   AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, scales, out);
   return out;
 }
