@@ -20,20 +20,21 @@ using Eigen::Index;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Problem {
-  Eigen::MatrixXd A;
+  Eigen::MatrixXd matrix;
   Eigen::VectorXd g, low, high;
 
-  Eigen::VectorXd Minimum() const { return MinimiseInBox(A, g, low, high); }
-  double Value(const Eigen::VectorXd& d) const { return 0.5 * d.dot(A * d) + g.dot(d); }
+  Eigen::VectorXd Minimum() const { return MinimiseInBox(matrix, g, low, high); }
+  double Value(const Eigen::VectorXd& d) const { return 0.5 * d.dot(matrix * d) + g.dot(d); }
 };
 
 // Positive definite, condition below 1e4; no bounds.
 Problem Unbounded(Index n, std::uint64_t seed) {
   const RandomStream random(seed, 3);
   Problem p;
-  Eigen::MatrixXd J(n + 2, n);
-  for (Index i = 0; i < J.size(); ++i) J(i) = random.Normal(static_cast<std::uint64_t>(i));
-  p.A = J.transpose() * J + 0.05 * Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd jacobian(n + 2, n);
+  for (Index i = 0; i < jacobian.size(); ++i)
+    jacobian(i) = random.Normal(static_cast<std::uint64_t>(i));
+  p.matrix = jacobian.transpose() * jacobian + 0.05 * Eigen::MatrixXd::Identity(n, n);
   p.g.resize(n);
   for (Index i = 0; i < n; ++i) p.g[i] = 3.0 * random.Normal(5000 + static_cast<std::uint64_t>(i));
   p.low.setConstant(n, -kInfinity);
@@ -60,7 +61,7 @@ Problem Boxed(Index n, std::uint64_t seed) {
 TEST(BoxQuadratic, WithoutBoundsIsTheSolution) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const Problem p = Unbounded(1 + static_cast<Index>(seed % 20), seed);
-    const Eigen::VectorXd expected = -p.A.ldlt().solve(p.g);
+    const Eigen::VectorXd expected = -p.matrix.ldlt().solve(p.g);
     EXPECT_LT((p.Minimum() - expected).norm(), 1e-9 * (1.0 + expected.norm())) << seed;
   }
 }
@@ -70,13 +71,13 @@ TEST(BoxQuadratic, OptimalInRandomBoxes) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const Problem p = Boxed(1 + static_cast<Index>(seed % 20), seed);
     const Eigen::VectorXd d = p.Minimum();
-    const Eigen::VectorXd slope = p.g + p.A * d;
+    const Eigen::VectorXd slope = p.g + p.matrix * d;
     ASSERT_TRUE(d.allFinite()) << seed;
     for (Index i = 0; i < d.size(); ++i) {
       EXPECT_GE(d[i], p.low[i]) << seed;
       EXPECT_LE(d[i], p.high[i]) << seed;
       // Downhill must lead out of the box, and nowhere else.
-      const double tolerance = 1e-9 * p.A(i, i);
+      const double tolerance = 1e-9 * p.matrix(i, i);
       if (d[i] > p.low[i]) {
         EXPECT_LT(slope[i], tolerance) << seed << " column " << i;
       }
@@ -108,7 +109,7 @@ double BestOfAllActiveSets(const Problem& p) {
     }
     if (!d.allFinite()) continue;
     if (!free.empty())
-      d(free) = Eigen::VectorXd(-p.A(free, free).ldlt().solve((p.g + p.A * d)(free)));
+      d(free) = Eigen::VectorXd(-p.matrix(free, free).ldlt().solve((p.g + p.matrix * d)(free)));
     const bool in_box =
         ((d - p.low).array() >= -1e-12).all() && ((p.high - d).array() >= -1e-12).all();
     if (in_box) best = std::min(best, p.Value(d));
@@ -145,7 +146,7 @@ TEST(BoxQuadratic, RowsOfZerosStayAndDoNotMatter) {
     const std::vector<Index> kept = {0, 1, 3, 4, 6, 7};
     Problem p{Eigen::MatrixXd::Zero(8, 8), Eigen::VectorXd::Zero(8),
               Eigen::VectorXd::Constant(8, -1.0), Eigen::VectorXd::Constant(8, kInfinity)};
-    p.A(kept, kept) = small.A;
+    p.matrix(kept, kept) = small.matrix;
     p.g(kept) = small.g;
     p.low(kept) = small.low;
     p.high(kept) = small.high;

@@ -150,7 +150,7 @@ TEST(ModelChoice, NearLightsKeepTheirDistance) {
 
 TEST(ModelChoice, TheLobeIsThatOfThePictures) {
   for (const SpecularModel model : {SpecularModel::kPhong, SpecularModel::kBlinnPhong}) {
-    rig::SyntheticConfig config = Ball(0.002, 0.1);
+    rig::SyntheticConfig config = Ball(0.004, 0.1);
     auto& reflectance = std::get<Reflectance>(config.reflectance);
     reflectance.specular_model = model;
     reflectance.shininess = 60.0;
@@ -167,7 +167,7 @@ TEST(ModelChoice, TheLobeIsThatOfThePictures) {
 }
 
 TEST(ModelChoice, AmbientLightAloneIsNoLight) {
-  rig::SyntheticConfig config = Ball(0.002, 0.5);
+  rig::SyntheticConfig config = Ball(0.01, 0.5);
   auto& reflectance = std::get<Reflectance>(config.reflectance);
   reflectance.diffuse = 0.0;
   reflectance.specular = 0.0;

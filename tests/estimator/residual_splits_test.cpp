@@ -119,7 +119,7 @@ TEST(SplitResiduals, HalvesAndTheirComplementsAreTheWhole) {
   // The halves in their order, each by what its pixels have less of.
   const std::vector<std::function<float(std::size_t)>> values = {
       [&](std::size_t i) { return static_cast<float>(view(i) % 2); },
-      [&](std::size_t i) { return static_cast<float>(view(i) / 2); },
+      [&](std::size_t i) { return view(i) < 2 ? 0.0f : 1.0f; },
       [&](std::size_t i) {
         return all.normal[0][i] * all.mirrored[0][i] + all.normal[1][i] * all.mirrored[1][i] +
                all.normal[2][i] * all.mirrored[2][i];

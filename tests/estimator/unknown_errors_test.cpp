@@ -290,7 +290,8 @@ TEST(Sigmas, TotalCoversWhatTheModelLacks) {
     cv::Mat& image = keyframe.image.radiance;
     for (int row = 0; row < image.rows; ++row)
       for (int i = 0; i < image.cols * image.channels(); ++i) {
-        const double x = (i / image.channels() - 59.5) / 59.5, y = (row - 44.5) / 59.5;
+        const int column = i / image.channels();
+        const double x = (column - 59.5) / 59.5, y = (row - 44.5) / 59.5;
         image.ptr<float>(row)[i] *= static_cast<float>(1.0 - 0.025 * (x * x + y * y));
       }
   }
