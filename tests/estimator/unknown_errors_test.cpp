@@ -203,6 +203,81 @@ TEST(Levels, DarkPicturesGiveTheSameLights) {
         factor, 0.01 * factor);
 }
 
+// Of two estimates of one scene, the second in W's coordinates times `unit` plus `shift`: that the
+// lights, their sigmas and what they are seen on are the same.
+void ExpectSameLights(const Estimate& a, const Estimate& b, double unit,
+                      const Eigen::Vector3d& shift) {
+  ASSERT_EQ(a.lights.size(), 2u);
+  ASSERT_EQ(b.lights.size(), 2u);
+  for (std::size_t l = 0; l < 2; ++l) {
+    const LightEstimate &x = a.lights[l], &y = b.lights[l];
+    EXPECT_LT((y.direction_at_reference - x.direction_at_reference).norm(),
+              0.01 * x.direction_sigma);
+    ASSERT_TRUE(x.position && y.position);
+    const double sigma = std::sqrt(x.position_covariance->trace());
+    EXPECT_LT(((*y.position - shift) / unit - *x.position).norm(), 0.01 * sigma);
+    EXPECT_NEAR(std::sqrt(y.position_covariance->trace()) / unit, sigma, 0.01 * sigma);
+  }
+  EXPECT_NEAR(b.reflectance.shininess, a.reflectance.shininess, 0.01 * a.sigma.shininess.value());
+  EXPECT_NEAR(b.rms, a.rms, 1e-4 * a.rms);
+}
+
+rig::SyntheticConfig InUnits(double unit) {
+  rig::SyntheticConfig config = SmallScene(0.002);
+  config.target = calib::SphereShape{50.0 * unit};
+  config.motion.distance *= unit;
+  for (rig::LightSpec& light : LightsOf(config)) light.distance = *light.distance * unit;
+  return config;
+}
+
+// Metres or micrometres: no length is compared with a number of its own.
+TEST(Units, MetresAndMicrometresGiveTheSameLights) {
+  const auto millimetres = rig::SynthesizeInMemory(InUnits(1.0));
+  ASSERT_TRUE(millimetres) << millimetres.error().text;
+  const auto expected = EstimateFrom(*millimetres);
+  ASSERT_TRUE(expected) << expected.error().text;
+  for (const double unit : {1e-3, 1e3}) {
+    const auto session = rig::SynthesizeInMemory(InUnits(unit));
+    ASSERT_TRUE(session) << session.error().text;
+    const auto output = EstimateFrom(*session);
+    ASSERT_TRUE(output) << output.error().text;
+    const Estimate &a = expected->estimate, &b = output->estimate;
+    ExpectSameLights(a, b, unit, Eigen::Vector3d::Zero());
+    // Intensities are irradiances at W's origin, which is the same place.
+    EXPECT_NEAR(b.lights[1].light.intensity, a.lights[1].light.intensity,
+                0.01 * a.lights[1].intensity_sigma.value());
+    for (std::size_t l = 0; l < 2; ++l)
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(b.lights[l].diffuse_product[c], a.lights[l].diffuse_product[c],
+                    0.01 * a.lights[l].diffuse_product_sigma[c]);
+  }
+}
+
+// W's origin 100 radii from the target, much further than the lights.
+TEST(Origin, FarFromTheTargetTheLightsAreWhereTheyWere) {
+  const auto session = rig::SynthesizeInMemory(SmallScene(0.002));
+  ASSERT_TRUE(session) << session.error().text;
+  const auto expected = EstimateFrom(*session);
+  ASSERT_TRUE(expected) << expected.error().text;
+  const Eigen::Vector3d shift(3000.0, -2400.0, 3200.0);
+  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
+  for (Keyframe& keyframe : keyframes) {
+    keyframe.X_WC.translation += shift;
+    keyframe.X_WT.translation += shift;
+  }
+  const auto output =
+      EstimateScene(keyframes, Geometry(session->target), calib::RayGrid(session->camera), {});
+  ASSERT_TRUE(output) << output.error().text;
+  // What is said about W's origin is about another place: the order of the lights may differ.
+  Estimate moved = output->estimate;
+  if (moved.lights.size() == 2 && moved.lights[0].direction_at_reference.dot(
+                                      expected->estimate.lights[0].direction_at_reference) < 0.9)
+    std::swap(moved.lights[0], moved.lights[1]);
+  ExpectSameLights(expected->estimate, moved, 1.0, shift);
+  for (const LightEstimate& light : moved.lights)
+    EXPECT_LT(AngleDeg(light.light.direction, *light.position), 1e-6);
+}
+
 // What the halves of the pictures disagree about must be in sigma_total; the plain statistics of
 // 1e5 pixels cannot know of it.
 TEST(Sigmas, TotalCoversWhatTheModelLacks) {
@@ -215,7 +290,8 @@ TEST(Sigmas, TotalCoversWhatTheModelLacks) {
     cv::Mat& image = keyframe.image.radiance;
     for (int row = 0; row < image.rows; ++row)
       for (int i = 0; i < image.cols * image.channels(); ++i) {
-        const double x = (i / image.channels() - 59.5) / 59.5, y = (row - 44.5) / 59.5;
+        const int column = i / image.channels();
+        const double x = (column - 59.5) / 59.5, y = (row - 44.5) / 59.5;
         image.ptr<float>(row)[i] *= static_cast<float>(1.0 - 0.025 * (x * x + y * y));
       }
   }

@@ -1,0 +1,182 @@
+// Proves, on pictures of our own renderer of two lights on a glossy ball: what the user says about
+// the model is done, and the ladder says so; what he leaves open is found: two lights, the lobe
+// that the pictures were made with, or no light at all. Does not prove that the data decide as well
+// on other scenes (bench/studies), or the words of the command line (tests/app/model_option_test).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "estimator/estimate.h"
+#include "small_scene.h"
+
+namespace turnlight::estimator {
+namespace {
+
+// Small pictures: what is decided here takes few pixels.
+rig::SyntheticConfig Ball(double noise, double ambient) {
+  rig::SyntheticConfig config = TwoLightBall(1, noise, ambient);
+  config.motion.frames = 4;
+  config.motion.step_deg = 90.0;
+  config.camera = {.width = 60, .height = 45, .focal_px = 150.0, .distortion = {}};
+  return config;
+}
+
+Result<EstimateOutput> EstimateWith(const rig::SyntheticConfig& config, const ModelChoice& choice) {
+  const auto session = rig::SynthesizeInMemory(config);
+  if (!session) return Forward(session);
+  EstimateOptions options;
+  options.model = choice;
+  return EstimateFrom(*session, options);
+}
+
+// With so much noise that a model which does not fit is no reason to go on looking for lights.
+Result<EstimateOutput> EstimateWith(const ModelChoice& choice) {
+  return EstimateWith(Ball(0.02, 0.1), choice);
+}
+
+const Rung* Find(const Estimate& estimate, const std::string& name) {
+  const auto at = std::find_if(estimate.ladder.rbegin(), estimate.ladder.rend(),
+                               [&](const Rung& rung) { return rung.rung == name; });
+  return at == estimate.ladder.rend() ? nullptr : &*at;
+}
+
+void ExpectAsAsked(const Estimate& estimate, const std::string& name, bool accepted) {
+  const Rung* rung = Find(estimate, name);
+  ASSERT_NE(rung, nullptr) << name;
+  EXPECT_EQ(rung->accepted, accepted) << name;
+  EXPECT_NE(rung->why.find("as asked for"), std::string::npos) << name << ": " << rung->why;
+}
+
+TEST(ModelChoice, LeftOpenTheDataDecide) {
+  const auto output = EstimateWith({});
+  ASSERT_TRUE(output) << output.error().text;
+  const Estimate& e = output->estimate;
+  EXPECT_EQ(e.lights.size(), 2u);
+  EXPECT_EQ(e.reflectance.specular_model, SpecularModel::kPhong);
+  EXPECT_EQ(e.reflectance.diffuse_model, DiffuseModel::kLambert);
+  for (const LightEstimate& light : e.lights) EXPECT_TRUE(light.near);
+  for (const Rung& rung : e.ladder)
+    EXPECT_EQ(rung.why.find("asked for"), std::string::npos) << rung.rung << ": " << rung.why;
+}
+
+TEST(ModelChoice, AsManyLightsAsAskedFor) {
+  for (const int count : {1, 3}) {
+    ModelChoice choice;
+    choice.lights = count;
+    const auto output = EstimateWith(choice);
+    ASSERT_TRUE(output) << output.error().text;
+    const Estimate& e = output->estimate;
+    const Rung* rung = Find(e, "lights");
+    ASSERT_NE(rung, nullptr);
+    EXPECT_EQ(rung->accepted, static_cast<int>(e.lights.size()) == count) << rung->why;
+    EXPECT_EQ(rung->why, std::to_string(count) + " were asked for, " +
+                             std::to_string(e.lights.size()) + " could be fitted");
+    // Fewer than there are can always be fitted.
+    if (count == 1) {
+      EXPECT_EQ(e.lights.size(), 1u);
+    }
+  }
+}
+
+TEST(ModelChoice, NoHighlightAndARoughSurface) {
+  ModelChoice choice;
+  choice.specular = SpecularModel::kNone;
+  choice.diffuse = DiffuseModel::kOrenNayar;
+  const auto output = EstimateWith(choice);
+  ASSERT_TRUE(output) << output.error().text;
+  const Estimate& e = output->estimate;
+  EXPECT_EQ(e.reflectance.specular_model, SpecularModel::kNone);
+  EXPECT_EQ(e.reflectance.specular, 0.0);
+  EXPECT_EQ(e.reflectance.diffuse_model, DiffuseModel::kOrenNayar);
+  ExpectAsAsked(e, "specular", false);
+  ExpectAsAsked(e, "blinn-phong", false);
+  ExpectAsAsked(e, "oren-nayar", true);
+}
+
+TEST(ModelChoice, BlinnPhongOnASmoothSurface) {
+  ModelChoice choice;
+  choice.specular = SpecularModel::kBlinnPhong;
+  choice.diffuse = DiffuseModel::kLambert;
+  const auto output = EstimateWith(choice);
+  ASSERT_TRUE(output) << output.error().text;
+  const Estimate& e = output->estimate;
+  EXPECT_EQ(e.reflectance.specular_model, SpecularModel::kBlinnPhong);
+  EXPECT_EQ(e.reflectance.diffuse_model, DiffuseModel::kLambert);
+  ExpectAsAsked(e, "specular", true);
+  ExpectAsAsked(e, "blinn-phong", true);
+  ExpectAsAsked(e, "oren-nayar", false);
+}
+
+TEST(ModelChoice, ADistantLightHasNoDistance) {
+  rig::SyntheticConfig config = Ball(0.02, 0.1);
+  LightsOf(config).pop_back();
+  const auto open = EstimateWith(config, {});
+  ASSERT_TRUE(open) << open.error().text;
+  ModelChoice choice;
+  choice.near = false;
+  choice.lights = 1;
+  const auto asked = EstimateWith(config, choice);
+  ASSERT_TRUE(asked) << asked.error().text;
+  ASSERT_EQ(open->estimate.lights.size(), 1u);
+  EXPECT_TRUE(open->estimate.lights[0].near);
+  EXPECT_TRUE(open->estimate.lights[0].distance && open->estimate.lights[0].position);
+  ASSERT_EQ(asked->estimate.lights.size(), 1u);
+  EXPECT_FALSE(asked->estimate.lights[0].near);
+  EXPECT_FALSE(asked->estimate.lights[0].distance || asked->estimate.lights[0].position);
+  ExpectAsAsked(asked->estimate, "near light 1", false);
+}
+
+// Two lamps too far for the pictures to tell how far: left open they are distant.
+TEST(ModelChoice, NearLightsKeepTheirDistance) {
+  rig::SyntheticConfig config = Ball(0.005, 0.1);
+  for (rig::LightSpec& light : LightsOf(config)) light.distance = 1e6;
+  const auto open = EstimateWith(config, {});
+  ASSERT_TRUE(open) << open.error().text;
+  ModelChoice choice;
+  choice.near = true;
+  const auto asked = EstimateWith(config, choice);
+  ASSERT_TRUE(asked) << asked.error().text;
+  ASSERT_EQ(open->estimate.lights.size(), 2u);
+  ASSERT_EQ(asked->estimate.lights.size(), 2u);
+  for (std::size_t l = 0; l < 2; ++l) {
+    EXPECT_FALSE(open->estimate.lights[l].near);
+    const LightEstimate& light = asked->estimate.lights[l];
+    // A light that the fit put at infinity has no distance, whatever was asked for.
+    EXPECT_EQ(light.near, light.light.inverse_distance > 0.0);
+    EXPECT_EQ(light.distance.has_value(), light.near);
+    ExpectAsAsked(asked->estimate, "near light " + std::to_string(l + 1), light.near);
+  }
+}
+
+TEST(ModelChoice, TheLobeIsThatOfThePictures) {
+  for (const SpecularModel model : {SpecularModel::kPhong, SpecularModel::kBlinnPhong}) {
+    rig::SyntheticConfig config = Ball(0.004, 0.1);
+    auto& reflectance = std::get<Reflectance>(config.reflectance);
+    reflectance.specular_model = model;
+    reflectance.shininess = 60.0;
+    const auto output = EstimateWith(config, {});
+    ASSERT_TRUE(output) << output.error().text;
+    const Estimate& e = output->estimate;
+    EXPECT_EQ(e.lights.size(), 2u);
+    EXPECT_EQ(e.reflectance.specular_model, model);
+    EXPECT_NEAR(e.reflectance.shininess, 60.0, 3.0);
+    const Rung* rung = Find(e, "blinn-phong");
+    ASSERT_NE(rung, nullptr);
+    EXPECT_EQ(rung->accepted, model == SpecularModel::kBlinnPhong) << rung->why;
+  }
+}
+
+TEST(ModelChoice, AmbientLightAloneIsNoLight) {
+  rig::SyntheticConfig config = Ball(0.01, 0.5);
+  auto& reflectance = std::get<Reflectance>(config.reflectance);
+  reflectance.diffuse = 0.0;
+  reflectance.specular = 0.0;
+  const auto output = EstimateWith(config, {});
+  ASSERT_TRUE(output) << output.error().text;
+  const Estimate& e = output->estimate;
+  EXPECT_TRUE(e.lights.empty());
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(e.ambient_product[c], 0.5 * reflectance.albedo[c], 1e-3);
+}
+
+}  // namespace
+}  // namespace turnlight::estimator
