@@ -12,7 +12,7 @@ namespace {
 constexpr double kTimesTypical = 1e4;
 constexpr double kManySpikes = 5e-4;  // of the target's pixels
 constexpr double kManyAtFloor = 2e-3;
-constexpr float kSigmas = 6.0f;
+constexpr float kSigmas = 6.0f, kSteps = 3.0f;
 constexpr double kFloorSigmas = 2.0;  // from here on the mean is less than 0.01 sigma off
 constexpr int kReach = 2;             // 5 x 5
 constexpr int kPasses = 2;
@@ -71,17 +71,33 @@ float Noise(const Channel& channel) {
   return Quantile(differences, 0.2) / (0.2533f * std::sqrt(6.0f));
 }
 
-// Darker than all its eight neighbours by more than noise, and by more than they differ.
+// The smallest difference but 0 that it was shown. In a picture of 8 bits it is the step from one
+// number to the next, which noise smaller than that turns into lone pixels.
+struct Step {
+  float smallest = std::numeric_limits<float>::infinity();
+  void Take(float difference) {
+    if (difference != 0.0f) smallest = std::min(smallest, std::abs(difference));
+  }
+};
+
+// Darker than all its eight neighbours by more than noise, by more than they differ, and by several
+// steps of the sensor's numbers: the smallest difference there is around it.
 bool DarkSpike(const Channel& channel, int row, int column, float noise) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
+  Step step;
   for (int r = row - 1; r <= row + 1; ++r)
     for (int c = column - 1; c <= column + 1; ++c) {
       if (r == row && c == column) continue;
       if (!channel.Good(r, c)) return false;
       low = std::min(low, channel.value(r, c));
       high = std::max(high, channel.value(r, c));
+      step.Take(channel.value(r, c) - channel.value(row, column));
     }
-  return channel.value(row, column) < low - std::max(kSigmas * noise, 0.5f * (high - low));
+  for (int r = row - 1; r <= row + 1; ++r)
+    for (int c = column - 1; c <= column + 1; ++c)
+      if (r != row || c != column) step.Take(channel.value(r, c) - low);
+  return channel.value(row, column) <
+         low - std::max({kSigmas * noise, 0.5f * (high - low), kSteps * step.smallest});
 }
 
 bool HasOutliers(const Channel& channel, float noise) {
@@ -107,12 +123,17 @@ void MarkOutliers(Channel& channel, float noise) {
         for (int c = column - kReach; c <= column + kReach; ++c)
           if ((r != row || c != column) && known.Good(r, c)) around.push_back(channel.value(r, c));
       const float median = Quantile(around, 0.5);
-      for (float& v : around) v = std::abs(v - median);
+      Step step;
+      step.Take(channel.value(row, column) - median);
+      for (float& v : around) {
+        step.Take(v - median);
+        v = std::abs(v - median);
+      }
       const float spread = Quantile(around, 0.5) / 0.6745f;
       // Too few left around it: what they say about it is chance.
       const bool alone = around.size() < 6;
-      if (alone ||
-          std::abs(channel.value(row, column) - median) > kSigmas * std::max(noise, spread))
+      const float limit = std::max(kSigmas * std::max(noise, spread), kSteps * step.smallest);
+      if (alone || std::abs(channel.value(row, column) - median) > limit)
         channel.broken(row, column) |= kOutlier;
     }
 }
