@@ -85,8 +85,9 @@ struct Search {
     tried += (tried.empty() ? "" : "; ") + name +
              Format(" lead to %zu lights with an excess variance of %.3g",
                     found.scene.lights.size(), excess);
-    done = done || NothingLeft(excess, sample);
-    if (winner.empty() || Better(sample, found, best)) {
+    done = NothingLeft(excess, sample);
+    // Each light of what explains the pictures was needed for that: no better is to be had.
+    if (winner.empty() || done || Better(sample, found, best)) {
       best = std::move(found);
       winner = name;
     }

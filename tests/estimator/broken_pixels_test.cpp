@@ -46,6 +46,21 @@ TEST(BrokenPixels, ANoisyRampHasNone) {
   EXPECT_EQ(cv::countNonZero(FindBrokenPixels(Picture(0.0, 1, Ramp), WholeTarget())), 0);
 }
 
+// Noise below one step of an 8-bit sensor's numbers makes lone pixels of one step.
+TEST(BrokenPixels, StepsOfTheSensorsNumbersAreNoOutliers) {
+  for (const double steps : {0.1, 0.3, 0.6, 1.0}) {
+    cv::Mat1f picture = Picture(steps / 255.0, 7, Ramp);
+    for (float& value : picture) value = std::round(value * 255.0f) / 255.0f;
+    EXPECT_EQ(cv::countNonZero(FindBrokenPixels(picture, WholeTarget())), 0) << steps;
+  }
+}
+
+TEST(BrokenPixels, AShadowWithoutNoiseIsNotFloored) {
+  const cv::Mat1f picture = Picture(
+      0.0, 1, [](int, int column) { return std::max(0.0, std::sin(0.02 * (column - 12))); });
+  EXPECT_EQ(cv::countNonZero(FindBrokenPixels(picture, WholeTarget())), 0);
+}
+
 TEST(BrokenPixels, AHighlightOfOnePixelIsKept) {
   cv::Mat1f picture = Picture(kNoise, 1, Ramp);
   picture(40, 60) = 20.0f;
