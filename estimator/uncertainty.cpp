@@ -19,9 +19,11 @@ constexpr double kNullShare = 1e-11;
 constexpr double kWeakShare = 1e-7;
 // Halves share some of the model's errors, which their difference does not show.
 constexpr double kCommon = 2.0;
-constexpr double kAlternativeSigmas = 2.0;
-constexpr double kTold = 0.02;       // of a tilt's curvature, beside everything else
-constexpr double kExplained = 0.02;  // of the residual variance, by a tilt that counts
+constexpr double kExtraSigmas = 2.0;
+constexpr double kCommonRoughness = 0.5;  // radians
+constexpr double kUndecided = 1e-5;       // of a column's curvature, beside all others
+constexpr double kTold = 0.02;            // of a tilt's curvature, beside everything else
+constexpr double kExplained = 0.02;       // of the residual variance, by a tilt that counts
 constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
 
 // The columns that count as unknowns: all that are not held. What ended at a bound could be on this
@@ -181,6 +183,7 @@ Carried CarryOver(const Solution& solution, const Observations& observations,
 // Covariances of the reported quantities.
 struct Parts {
   Eigen::MatrixXd stat, model;
+  std::vector<std::string> weak;  // what the model left out and the data do not decide
 };
 
 // What makes sigmas of gradients.
@@ -239,7 +242,30 @@ void AddEdges(const NormalEquations& all, const NormalEquations& edges, const Sc
   AddShift(shift, out.model);
 }
 
-// What tilting the normals the way the pictures ask for would change, as far as they do.
+// One more parameter that could be free beside the unknowns: the cost's slope and curvature by it
+// when they follow, and how they follow.
+struct Extra {
+  double slope = 0.0, curvature = 0.0;
+  Eigen::VectorXd follow;
+};
+
+// How far the data ask for it: its step over that step's sigma, squared.
+double Significance(const Extra& extra, const Scales& scales) {
+  return extra.slope * extra.slope / extra.curvature /
+         (scales.covariance.variance * scales.together);
+}
+
+// What the unknowns would change by if it were free, as far as that is more than noise.
+void AddExtra(const Extra& extra, const Scales& scales, Parts& out) {
+  const double noise = kExtraSigmas * kExtraSigmas;
+  const double significance = Significance(extra, scales);
+  if (significance <= noise) return;
+  AddShift(std::sqrt(1.0 - noise / significance) * extra.slope / extra.curvature *
+               (scales.jacobian * extra.follow),
+           out.model);
+}
+
+// What tilting the normals the way the pictures ask for would change.
 void AddTilts(const TiltResponses& tilts, const Scales& scales, Parts& out) {
   const std::vector<int>& unknowns = scales.covariance.unknowns;
   const Factors sample(tilts.untilted.hessian(unknowns, unknowns));
@@ -247,48 +273,56 @@ void AddTilts(const TiltResponses& tilts, const Scales& scales, Parts& out) {
   const Eigen::VectorXd own = tilts.untilted.gradient(unknowns);
   for (const TiltResponse& tilt : tilts.axes) {
     const Eigen::VectorXd mixed = tilt.mixed(unknowns);
-    const Eigen::VectorXd follow = sample.Solve(mixed);
-    const double curvature = tilt.curvature - mixed.dot(follow);
-    const double slope = tilt.slope - follow.dot(own);
+    Extra extra;
+    extra.follow = sample.Solve(mixed);
+    extra.curvature = tilt.curvature - mixed.dot(extra.follow);
+    extra.slope = tilt.slope - extra.follow.dot(own);
     // What the lights can follow anyway is not told apart from them.
-    if (!(curvature > kTold * tilt.curvature)) continue;
-    const double significance =
-        slope * slope / curvature / (scales.covariance.variance * scales.together);
-    const double noise = kAlternativeSigmas * kAlternativeSigmas;
-    const double explained = 0.5 * slope * slope / curvature / tilts.untilted.cost;
-    if (significance <= noise || explained < kExplained) continue;
-    AddShift(std::sqrt(1.0 - noise / significance) * slope / curvature * (scales.jacobian * follow),
-             out.model);
+    if (!(extra.curvature > kTold * tilt.curvature)) continue;
+    const double explained = 0.5 * extra.slope * extra.slope / extra.curvature;
+    if (explained >= kExplained * tilts.untilted.cost) AddExtra(extra, scales, out);
   }
 }
 
-// What the unknowns would change by if one more column, which has a lower bound of 0 and is there,
-// were free: as far as the data ask for it.
-void AddAlternative(const NormalEquations& equations, int column, const Scales& scales,
-                    Parts& out) {
+// A column that was held at its lower bound of 0.
+Extra ExtraColumn(const NormalEquations& equations, int column, const Scales& scales) {
   const std::vector<int>& unknowns = scales.covariance.unknowns;
   const Eigen::VectorXd mixed = equations.hessian(unknowns, column);
-  const Eigen::VectorXd follow = scales.inverse * mixed;
-  const double curvature = equations.hessian(column, column) - mixed.dot(follow);
-  const double slope = equations.gradient[column] - follow.dot(equations.gradient(unknowns));
-  // Negative: it would want to go below its bound.
-  if (!(slope < 0.0) || !(curvature > 1e-9 * equations.hessian(column, column))) return;
-  const double significance =
-      slope * slope / curvature / (scales.covariance.variance * scales.together);
-  const double noise = kAlternativeSigmas * kAlternativeSigmas;
-  if (significance <= noise) return;
-  AddShift(std::sqrt(1.0 - noise / significance) * slope / curvature * (scales.jacobian * follow),
-           out.model);
+  Extra extra;
+  extra.follow = scales.inverse * mixed;
+  extra.curvature = std::max(equations.hessian(column, column) - mixed.dot(extra.follow),
+                             1e-9 * equations.hessian(column, column));
+  extra.slope = equations.gradient[column] - extra.follow.dot(equations.gradient(unknowns));
+  return extra;
 }
 
+// Lambert was taken. Where the data cannot tell, as on a board under one light, a surface as rough
+// as is common is as good, and what it would change belongs to the error.
+void AddRoughness(const NormalEquations& equations, const Columns& columns, const Scales& scales,
+                  Parts& out) {
+  const Extra extra = ExtraColumn(equations, columns.RoughnessSquared(), scales);
+  if (!(extra.curvature > 0.0)) return;  // nothing diffuse
+  const double alone = equations.hessian(columns.RoughnessSquared(), columns.RoughnessSquared());
+  if (extra.curvature < kUndecided * alone) {
+    AddShift(kCommonRoughness * kCommonRoughness * (scales.jacobian * extra.follow), out.model);
+    out.weak.emplace_back("diffuse against roughness: Lambert was taken");
+  } else if (extra.slope < 0.0) {
+    AddExtra(extra, scales, out);
+  }
+}
+
+// What was left out of the model. A positive slope would want to go below the bound.
 void AddAlternatives(const NormalEquations& equations, const Columns& columns,
                      const Reflectance& reflectance, const Scales& scales, Parts& out) {
   if (reflectance.diffuse_model == DiffuseModel::kLambert)
-    AddAlternative(equations, columns.RoughnessSquared(), scales, out);
+    AddRoughness(equations, columns, scales, out);
   const std::vector<int>& unknowns = scales.covariance.unknowns;
-  for (int l = 0; l < columns.lights; ++l)
-    if (std::find(unknowns.begin(), unknowns.end(), columns.InverseDistance(l)) == unknowns.end())
-      AddAlternative(equations, columns.InverseDistance(l), scales, out);
+  for (int l = 0; l < columns.lights; ++l) {
+    const int column = columns.InverseDistance(l);
+    if (std::find(unknowns.begin(), unknowns.end(), column) != unknowns.end()) continue;
+    const Extra extra = ExtraColumn(equations, column, scales);
+    if (extra.curvature > 0.0 && extra.slope < 0.0) AddExtra(extra, scales, out);
+  }
 }
 
 // Clustered: where the residuals of neighbours go together, variances are larger.
@@ -412,6 +446,7 @@ Uncertainties EstimateUncertainty(const Solution& solution, const Observations& 
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;
+    uncertainty->weak.insert(uncertainty->weak.end(), parts.weak.begin(), parts.weak.end());
   }
   return out;
 }

@@ -21,19 +21,6 @@ using Eigen::Vector3d;
 
 constexpr double kNoise = 0.003;
 
-Scene TwoLights() {
-  Scene scene;
-  scene.lights = {{Vector3d(0.3, 0.2, 1.0).normalized(), 0.15, 0.9, Vector3d::Ones()},
-                  {Vector3d(-0.7, 0.3, 0.6).normalized(), 0.25, 0.6, Vector3d::Ones()}};
-  Reflectance& r = scene.reflectance;
-  r.albedo = {0.4, 0.6, 0.7};
-  r.ambient = 0.1;
-  r.diffuse = 0.6;
-  r.specular = 0.3;
-  r.shininess = 25.0;
-  return scene;
-}
-
 Light Absent() { return {Vector3d(0.1, -0.9, 0.4).normalized(), 0.1, 0.3, Vector3d::Ones()}; }
 
 Observations Noisy(const Scene& truth, std::uint64_t seed) {

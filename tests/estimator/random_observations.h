@@ -17,6 +17,21 @@ inline Eigen::Vector3d RandomUnit(const RandomStream& random, std::uint64_t inde
       .normalized();
 }
 
+// Two lights over a glossy material, with these inverse distances (1/R).
+inline Scene TwoLights(double first = 0.15, double second = 0.25) {
+  Scene scene;
+  scene.lights = {
+      {Eigen::Vector3d(0.3, 0.2, 1.0).normalized(), first, 0.9, Eigen::Vector3d::Ones()},
+      {Eigen::Vector3d(-0.7, 0.3, 0.6).normalized(), second, 0.6, Eigen::Vector3d::Ones()}};
+  Reflectance& r = scene.reflectance;
+  r.albedo = {0.4, 0.6, 0.7};
+  r.ambient = 0.1;
+  r.diffuse = 0.6;
+  r.specular = 0.3;
+  r.shininess = 25.0;
+  return scene;
+}
+
 struct RandomPoint {
   Eigen::Vector3d position, normal, viewer;
 };

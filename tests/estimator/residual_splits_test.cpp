@@ -17,19 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-Scene OneNearOneFar() {
-  Scene scene;
-  scene.lights = {{Vector3d(0.3, 0.2, 1.0).normalized(), 0.3, 0.9, Vector3d::Ones()},
-                  {Vector3d(-0.7, 0.3, 0.6).normalized(), 0.0, 0.6, Vector3d::Ones()}};
-  Reflectance& r = scene.reflectance;
-  r.albedo = {0.4, 0.6, 0.7};
-  r.ambient = 0.1;
-  r.diffuse = 0.6;
-  r.specular = 0.3;
-  r.shininess = 25.0;
-  return scene;
-}
-
 // With noise, and so with residuals; cut into as many views.
 RandomObservations Noisy(std::size_t views, const Scene& truth) {
   RandomObservations random(8 * kTile - 100, 3, 3, &truth);
@@ -58,7 +45,7 @@ TEST(AwayFromTerminators, LeavesOutExactlyWhatIsNearAnEdge) {
   Observations& all = random.observations;
   for (const std::size_t k : {0u, 4u})
     std::fill(all.footprint[k].begin(), all.footprint[k].end(), ToBFloat16(kChange));
-  const std::vector<Light> lights = OneNearOneFar().lights;
+  const std::vector<Light> lights = TwoLights(0.3, 0.0).lights;
   std::vector<std::uint8_t> last(all.size(), 1);
   for (const double margin : {0.0, 1.0, 2.0, 4.0}) {
     const Plane away = AwayFromTerminators(all, lights, margin);
@@ -93,7 +80,7 @@ TEST(AwayFromTerminators, NoLightNoEdge) {
 
 // One of views from two on, a second from three on; and five that one view has too.
 TEST(SplitResiduals, AsManyHalvesAsTheViewsAllow) {
-  const Scene truth = OneNearOneFar();
+  const Scene truth = TwoLights(0.3, 0.0);
   for (const auto& [views, halves] :
        std::vector<std::pair<std::size_t, std::size_t>>{{1, 5}, {2, 6}, {3, 7}, {4, 7}}) {
     const RandomObservations random = Noisy(views, truth);
@@ -103,7 +90,7 @@ TEST(SplitResiduals, AsManyHalvesAsTheViewsAllow) {
 }
 
 TEST(SplitResiduals, HalvesAndTheirComplementsAreTheWhole) {
-  const Scene truth = OneNearOneFar();
+  const Scene truth = TwoLights(0.3, 0.0);
   const RandomObservations random = Noisy(4, truth);
   const Observations& all = random.observations;
   const Solution solution = Solve(all, truth, {});
@@ -148,7 +135,7 @@ TEST(SplitResiduals, HalvesAndTheirComplementsAreTheWhole) {
 }
 
 TEST(SplitResiduals, ClustersAreTheTilesOwnGradients) {
-  const Scene truth = OneNearOneFar();
+  const Scene truth = TwoLights(0.3, 0.0);
   const RandomObservations random = Noisy(2, truth);
   const Observations& all = random.observations;
   const Solution solution = Solve(all, truth, {});
@@ -167,7 +154,7 @@ TEST(SplitResiduals, ClustersAreTheTilesOwnGradients) {
 // Footprints of no extent have the same mean however finely they are sampled, and no edge runs
 // through one.
 TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
-  const Scene truth = OneNearOneFar();
+  const Scene truth = TwoLights(0.3, 0.0);
   const RandomObservations random = Noisy(2, truth);
   const Observations& all = random.observations;
   SolveOptions options;
@@ -184,7 +171,7 @@ TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
 }
 
 TEST(SplitResiduals, ASmoothSurfaceIsAskedWhetherItIsRough) {
-  const Scene truth = OneNearOneFar();
+  const Scene truth = TwoLights(0.3, 0.0);
   const RandomObservations random = Noisy(2, truth);
   const Solution solution = Solve(random.observations, truth, {});
   const ResidualSplits splits = SplitResiduals(random.observations, solution);

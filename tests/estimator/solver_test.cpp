@@ -19,19 +19,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-Scene TwoLights() {
-  Scene scene;
-  scene.lights = {{Vector3d(0.3, 0.2, 1.0).normalized(), 0.15, 0.9, Vector3d::Ones()},
-                  {Vector3d(-0.7, 0.3, 0.6).normalized(), 0.25, 0.6, Vector3d::Ones()}};
-  Reflectance& r = scene.reflectance;
-  r.albedo = {0.4, 0.6, 0.7};
-  r.ambient = 0.1;
-  r.diffuse = 0.6;
-  r.specular = 0.3;
-  r.shininess = 25.0;
-  return scene;
-}
-
 Vector3d Turned(const Vector3d& u, double degrees) {
   return (u + std::tan(DegToRad(degrees)) * u.unitOrthogonal()).normalized();
 }
