@@ -278,6 +278,36 @@ TEST(Origin, FarFromTheTargetTheLightsAreWhereTheyWere) {
     EXPECT_LT(AngleDeg(light.light.direction, *light.position), 1e-6);
 }
 
+// Light and camera on opposite sides: a rough board then looks like a smooth one that reflects
+// less.
+TEST(Sigmas, ABoardThatMayBeRoughSaysSo) {
+  rig::SyntheticConfig config =
+      SmallBall({{.direction = {-0.74, 0.33, 0.59}, .distance = {}, .intensity = 1.0}},
+                Glossy(0.1, 0.6, 0.3));
+  config.target = calib::PlaneShape{160.0, 120.0};
+  config.motion.kind = rig::MotionKind::kTable;
+  config.motion.tilt_deg = 17.0;
+  config.motion.elevation_deg = 49.0;
+  auto& material = std::get<Reflectance>(config.reflectance);
+  material.diffuse_model = DiffuseModel::kOrenNayar;
+  material.roughness = DegToRad(30.0);
+  const auto session = rig::SynthesizeInMemory(config);
+  ASSERT_TRUE(session) << session.error().text;
+  const auto output = EstimateFrom(*session);
+  ASSERT_TRUE(output) << output.error().text;
+  const Estimate& e = output->estimate;
+  ASSERT_EQ(e.lights.size(), 1u);
+  EXPECT_EQ(e.reflectance.diffuse_model, DiffuseModel::kLambert);
+  EXPECT_NE(std::find(e.weak.begin(), e.weak.end(), "diffuse against roughness: Lambert was taken"),
+            e.weak.end());
+  for (int c = 0; c < 3; ++c) {
+    const double truth = material.albedo[c] * 0.6 * session->scene.lights[0].intensity;
+    const double error = std::abs(e.lights[0].diffuse_product[c] - truth);
+    EXPECT_LT(error, 3.0 * e.lights[0].diffuse_product_sigma[c]);
+    EXPECT_GT(error, 0.1 * truth) << "too small a difference to tell anything";
+  }
+}
+
 // What the halves of the pictures disagree about must be in sigma_total; the plain statistics of
 // 1e5 pixels cannot know of it.
 TEST(Sigmas, TotalCoversWhatTheModelLacks) {
