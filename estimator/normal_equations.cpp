@@ -69,9 +69,11 @@ Quadrature MakeQuadrature() {
   return out;
 }
 
-void FillQuadrature(KernelModel& model) {
+void FillQuadrature(double aperture, KernelModel& model) {
   static const Quadrature kQuadrature = MakeQuadrature();
-  std::memcpy(model.node, kQuadrature.node, sizeof model.node);
+  for (int n = 0; n <= kernel::kMaxSamples; ++n)
+    for (int i = 0; i < kernel::kMaxSamples; ++i)
+      model.node[n][i] = aperture * kQuadrature.node[n][i];
   std::memcpy(model.weight, kQuadrature.weight, sizeof model.weight);
 }
 
@@ -120,7 +122,7 @@ struct KernelScene {
     model.huber = options.huber;
     model.gradient_only = options.gradient_only;
     FillOrenNayar(model, r);
-    FillQuadrature(model);
+    FillQuadrature(options.aperture, model);
     model.l11 = std::sqrt(std::max(square, 1e-30));
     model.l21 = sum / model.l11;
     const double rest = model.channels - model.l21 * model.l21;

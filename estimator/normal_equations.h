@@ -50,6 +50,8 @@ struct EvaluateOptions {
   // Sub-samples per side of a pixel's footprint for the highlight, one per tile; empty: 1
   // everywhere.
   std::vector<std::uint8_t> samples_per_side;
+  // The part of a pixel's width that those cover.
+  double aperture = kAperture;
   // Which lights the observations see; empty: all of them.
   Shadows shadows;
   // Scale of Huber's loss on the root-mean-square residual of a pixel, in radiance; 0: squares.

@@ -36,10 +36,11 @@ Vector3d Mirror(const Vector3d& to_viewer, const Vector3d& normal) {
 }
 
 // The mean over a pixel of what has these values at its centre and in the middle of its edges,
-// exact for second-order surfaces: f + (f_uu + f_vv) / 24. At the limb it is 1e-4 off the centre.
+// exact for second-order surfaces: f + a^2 (f_uu + f_vv) / 24. At the limb it is 1e-4 off the
+// centre.
 Vector3d MeanOver(const Vector3d& center, const Vector3d& left, const Vector3d& right,
                   const Vector3d& up, const Vector3d& down) {
-  return center + (left + right + up + down - 4.0 * center) / 6.0;
+  return center + (left + right + up + down - 4.0 * center) * (kAperture * kAperture / 6.0);
 }
 
 struct Hit {

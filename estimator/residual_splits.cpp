@@ -15,8 +15,7 @@ float Grey(const std::vector<std::vector<float>>& model, std::size_t i) {
   return sum;
 }
 
-constexpr double kNearEdge = 4.0;  // half footprints
-constexpr double kFootprintKnown = 0.04;
+constexpr double kNearEdge = 4.0;      // half footprints
 constexpr double kHardlyRough = 1e-3;  // radians
 
 // The gradient of the observations whose value is below the median over all that are used.
@@ -62,6 +61,29 @@ NormalEquations WithAlternatives(const Observations& all, const Solution& soluti
   return Evaluate(all, scene, solution.evaluate);
 }
 
+// From pixels this far apart in a row: what a sensor's interpolation spreads is nearer, and most
+// patterns reach further.
+double Texture(const Observations& all, const std::vector<std::vector<float>>& model) {
+  constexpr std::size_t kApart = 3;
+  constexpr double kSigmas = 4.0;
+  double common = 0.0, squares = 0.0, radiance = 0.0;
+  for (std::size_t i = 0; i + kApart < all.size(); ++i) {
+    const std::size_t j = i + kApart;
+    if (all.pixel[i] == Observations::kNoPixel || all.pixel[j] != all.pixel[i] + kApart) continue;
+    for (std::size_t c = 0; c < model.size(); ++c) {
+      const auto residual = [&](std::size_t k) {
+        return static_cast<double>(all.radiance[c][k]) - static_cast<double>(model[c][k]);
+      };
+      const double product = residual(i) * residual(j);
+      common += product;
+      squares += product * product;
+      radiance += static_cast<double>(model[c][i]) * static_cast<double>(model[c][j]);
+    }
+  }
+  if (!(radiance > 0.0) || !(common > kSigmas * std::sqrt(squares))) return 0.0;
+  return std::sqrt(common / radiance);
+}
+
 }  // namespace
 
 ResidualSplits SplitResiduals(const Observations& all, const Solution& solution) {
@@ -96,20 +118,15 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
     out.halves.push_back(GradientOfLower(
         all, solution, [&](std::size_t i) { return all.normal[static_cast<std::size_t>(k)][i]; }));
 
-  const auto sampled = [&](const std::function<std::uint8_t(std::uint8_t)>& change) {
-    EvaluateOptions options = solution.evaluate;
-    options.gradient_only = true;
-    for (std::uint8_t& samples : options.samples_per_side) samples = change(samples);
-    return Eigen::VectorXd(Evaluate(all, solution.scene, options).gradient -
-                           solution.equations.gradient);
-  };
-  out.finer = sampled([](std::uint8_t s) {
-    return static_cast<std::uint8_t>(2 * s <= kernel::kMaxSamples ? 2 * s : s / 2);
-  });
-  out.footprint = kFootprintKnown * sampled([](std::uint8_t) { return std::uint8_t{1}; });
+  EvaluateOptions finer = solution.evaluate;
+  finer.gradient_only = true;
+  for (std::uint8_t& s : finer.samples_per_side)
+    s = static_cast<std::uint8_t>(2 * s <= kernel::kMaxSamples ? 2 * s : s / 2);
+  out.finer = Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
+  out.texture = Texture(all, model);
   out.edges = EdgesAlone(all, solution);
   out.alternatives = WithAlternatives(all, solution);
-  out.tilts = TiltNormals(all, solution);
+  out.unmodelled = TryUnmodelled(all, solution);
   return out;
 }
 

@@ -6,9 +6,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "estimator/normal_tilt.h"
 #include "estimator/observations.h"
 #include "estimator/solver.h"
+#include "estimator/unmodelled.h"
 
 namespace turnlight::estimator {
 
@@ -22,14 +22,16 @@ struct ResidualSplits {
   // side to which the surface faces.
   std::vector<Eigen::VectorXd> halves;
   // What appears when footprints are sampled twice as finely (half as finely where that is not
-  // possible), and 4 % of what appears when they are not averaged over at all: how a pixel averages
-  // is not known better (a renderer's mean of 5 x 5 points is off by as much).
-  Eigen::VectorXd finer, footprint;
+  // possible).
+  Eigen::VectorXd finer;
   // What the pixels near an attached shadow's edge contribute to the solution's normal equations.
   NormalEquations edges;
   // At the solution, for a surface just rough enough to have a slope (if it is Lambert's).
   NormalEquations alternatives;
-  TiltResponses tilts;  // of the normals
+  // Texture or dirt: how much of the radiance (relative, root mean square) the residuals are that
+  // pixels a few apart have in common. 0 if that is not beyond noise.
+  double texture = 0.0;
+  Unmodelled unmodelled;
 };
 
 ResidualSplits SplitResiduals(const Observations& observations, const Solution& solution);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "estimator/residual_splits.h"
 
@@ -20,9 +21,12 @@ constexpr double kWeakShare = 1e-7;
 // Halves share some of the model's errors, which their difference does not show.
 constexpr double kCommon = 2.0;
 constexpr double kExtraSigmas = 2.0;
+constexpr double kSearchedSigmas = 4.0;   // of the best of many
 constexpr double kCommonRoughness = 0.5;  // radians
 constexpr double kUndecided = 1e-5;       // of a column's curvature, beside all others
 constexpr double kTold = 0.02;            // of a tilt's curvature, beside everything else
+constexpr double kMostWider = 0.95;       // of a lobe's variance that normals make
+constexpr double kToldApart = 1e-5;       // of another effect's
 constexpr double kExplained = 0.02;       // of the residual variance, by a tilt that counts
 constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
 
@@ -122,7 +126,7 @@ Covariance Invert(const Solution& solution, const Observations& observations,
 }
 
 // The reported quantities as one vector, directions by their tangent coordinates at the solution.
-constexpr Eigen::Index kPerLight = 13, kShared = 11;
+constexpr Eigen::Index kPerLight = 13, kShared = 11, kDiffuseProduct = 4;
 
 Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
   const auto lights = static_cast<Eigen::Index>(reported.lights.size());
@@ -150,18 +154,24 @@ double LargerEigenvalue(const Eigen::Matrix2d& m) {
 
 // Derivatives of the reported quantities by the unknowns, and which depend on what is undetermined.
 struct Carried {
+  Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
   std::vector<bool> unknown;
+  Eigen::VectorXd straightened;  // what a large tilt of the normals changes; empty: there is none
 };
 
 Carried CarryOver(const Solution& solution, const Observations& observations,
                   const std::vector<std::size_t>& order, const Columns& columns,
-                  const Covariance& covariance) {
+                  const Covariance& covariance, const std::optional<Scene>& straightened) {
   const Reported at = Report(solution.scene, observations, order);
   const Eigen::VectorXd values = Flatten(at, at);
   const auto n = static_cast<Eigen::Index>(covariance.unknowns.size());
-  Carried out{Eigen::MatrixXd::Zero(values.size(), n),
-              std::vector<bool>(static_cast<std::size_t>(values.size()), false)};
+  Carried out{values,
+              Eigen::MatrixXd::Zero(values.size(), n),
+              std::vector<bool>(static_cast<std::size_t>(values.size()), false),
+              {}};
+  if (straightened)
+    out.straightened = Flatten(Report(*straightened, observations, order), at) - values;
   for (Eigen::Index i = 0; i < n; ++i) {
     const int column = covariance.unknowns[static_cast<std::size_t>(i)];
     const bool undetermined = covariance.undetermined[static_cast<std::size_t>(i)];
@@ -256,8 +266,8 @@ double Significance(const Extra& extra, const Scales& scales) {
 }
 
 // What the unknowns would change by if it were free, as far as that is more than noise.
-void AddExtra(const Extra& extra, const Scales& scales, Parts& out) {
-  const double noise = kExtraSigmas * kExtraSigmas;
+void AddExtra(const Extra& extra, double sigmas, const Scales& scales, Parts& out) {
+  const double noise = sigmas * sigmas;
   const double significance = Significance(extra, scales);
   if (significance <= noise) return;
   AddShift(std::sqrt(1.0 - noise / significance) * extra.slope / extra.curvature *
@@ -265,23 +275,68 @@ void AddExtra(const Extra& extra, const Scales& scales, Parts& out) {
            out.model);
 }
 
-// What tilting the normals the way the pictures ask for would change.
-void AddTilts(const TiltResponses& tilts, const Scales& scales, Parts& out) {
+// What letting in what the pictures ask for would change.
+void AddUnmodelled(const Unmodelled& unmodelled, const Scales& scales, Parts& out) {
   const std::vector<int>& unknowns = scales.covariance.unknowns;
-  const Factors sample(tilts.untilted.hessian(unknowns, unknowns));
+  const Factors sample(unmodelled.as_modelled.hessian(unknowns, unknowns));
   if (!sample.Good()) return;
-  const Eigen::VectorXd own = tilts.untilted.gradient(unknowns);
-  for (const TiltResponse& tilt : tilts.axes) {
-    const Eigen::VectorXd mixed = tilt.mixed(unknowns);
+  const Eigen::VectorXd own = unmodelled.as_modelled.gradient(unknowns);
+  // Nothing if the unknowns can follow it anyway: then it is not told apart from them.
+  const auto beside = [&](const Effect& effect, double told) -> std::optional<Extra> {
+    const Eigen::VectorXd mixed = effect.mixed(unknowns);
     Extra extra;
     extra.follow = sample.Solve(mixed);
-    extra.curvature = tilt.curvature - mixed.dot(extra.follow);
-    extra.slope = tilt.slope - extra.follow.dot(own);
-    // What the lights can follow anyway is not told apart from them.
-    if (!(extra.curvature > kTold * tilt.curvature)) continue;
-    const double explained = 0.5 * extra.slope * extra.slope / extra.curvature;
-    if (explained >= kExplained * tilts.untilted.cost) AddExtra(extra, scales, out);
+    extra.curvature = effect.curvature - mixed.dot(extra.follow);
+    extra.slope = effect.slope - extra.follow.dot(own);
+    if (!(extra.curvature > told * effect.curvature)) return std::nullopt;
+    return extra;
+  };
+  for (const Effect& tilt : unmodelled.tilts) {
+    if (unmodelled.straightened) break;  // known better
+    const auto extra = beside(tilt, kTold);
+    if (extra && 0.5 * extra->slope * extra->slope / extra->curvature >=
+                     kExplained * unmodelled.as_modelled.cost)
+      AddExtra(*extra, kExtraSigmas, scales, out);
   }
+  if (const auto extra = beside(unmodelled.aperture, kToldApart))
+    AddExtra(*extra, kExtraSigmas, scales, out);
+  for (const Effect& extent : unmodelled.extents)
+    if (const auto extra = beside(extent, kToldApart); extra && extra->slope < 0.0)
+      AddExtra(*extra, kSearchedSigmas, scales, out);
+  AddShift(scales.jacobian * sample.Solve(unmodelled.falloff(unknowns)), out.model);
+  if (!unmodelled.light) return;
+  if (const auto extra = beside(*unmodelled.light, kToldApart); extra && extra->slope < 0.0)
+    AddExtra(*extra, kSearchedSigmas, scales, out);
+}
+
+// Normals that are wrong each by itself widen the highlight as a rougher material would: the
+// mirrored ray turns twice as much as the normal, Blinn-Phong's half vector as much.
+void AddScatter(double normal_variance, const Reflectance& reflectance, const Columns& columns,
+                const Scales& scales, Parts& out) {
+  const double lobe = reflectance.specular_model == SpecularModel::kPhong ? 4.0 : 1.0;
+  // Twice: their variance is not known well.
+  const double wider =
+      -std::log1p(-std::min(2.0 * lobe * normal_variance * reflectance.shininess, kMostWider));
+  const std::vector<int>& unknowns = scales.covariance.unknowns;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns.size()));
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    if (unknowns[i] == columns.LogShininess()) step[static_cast<Eigen::Index>(i)] = wider;
+    if (unknowns[i] == columns.Specular())
+      step[static_cast<Eigen::Index>(i)] = wider * reflectance.specular;
+  }
+  AddShift(scales.jacobian * step, out.model);
+}
+
+// Diffuse and ambient light are those of the mean albedo; where that is not uniform, a point's own
+// differs by so much.
+void AddTexture(double texture, const Eigen::VectorXd& values, Parts& out) {
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(values.size());
+  for (Eigen::Index q = 0; q + kShared < values.size(); q += kPerLight)
+    shift.segment<3>(q + kDiffuseProduct) = texture * values.segment<3>(q + kDiffuseProduct);
+  const Eigen::Index shared = values.size() - kShared;
+  shift.tail<3>() = texture * values.tail<3>();
+  shift.segment<2>(shared + 3) = texture * values.segment<2>(shared + 3);  // ambient, diffuse
+  AddShift(shift, out.model);
 }
 
 // A column that was held at its lower bound of 0.
@@ -307,7 +362,7 @@ void AddRoughness(const NormalEquations& equations, const Columns& columns, cons
     AddShift(kCommonRoughness * kCommonRoughness * (scales.jacobian * extra.follow), out.model);
     out.weak.emplace_back("diffuse against roughness: Lambert was taken");
   } else if (extra.slope < 0.0) {
-    AddExtra(extra, scales, out);
+    AddExtra(extra, kExtraSigmas, scales, out);
   }
 }
 
@@ -321,7 +376,7 @@ void AddAlternatives(const NormalEquations& equations, const Columns& columns,
     const int column = columns.InverseDistance(l);
     if (std::find(unknowns.begin(), unknowns.end(), column) != unknowns.end()) continue;
     const Extra extra = ExtraColumn(equations, column, scales);
-    if (extra.curvature > 0.0 && extra.slope < 0.0) AddExtra(extra, scales, out);
+    if (extra.curvature > 0.0 && extra.slope < 0.0) AddExtra(extra, kExtraSigmas, scales, out);
   }
 }
 
@@ -335,7 +390,8 @@ void AllowForClusters(const Eigen::MatrixXd& outer, const Scales& scales, Parts&
 }
 
 Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSplits& splits,
-              const Covariance& covariance, const Eigen::MatrixXd& jacobian, double redundancy) {
+              const Covariance& covariance, const Carried& carried, double redundancy) {
+  const Eigen::MatrixXd& jacobian = carried.jacobian;
   Parts out;
   out.stat = jacobian * covariance.matrix * jacobian.transpose();
   out.model = Eigen::MatrixXd::Zero(out.stat.rows(), out.stat.cols());
@@ -354,8 +410,10 @@ Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSp
     AddHalf(2.0 * half(unknowns) - whole, scales, out);
   AddEdges(solution.equations, splits.edges, scales, out);
   AddShift(jacobian * (scales.inverse * splits.finer(unknowns)), out.model);
-  AddShift(jacobian * (scales.inverse * splits.footprint(unknowns)), out.model);
-  AddTilts(splits.tilts, scales, out);
+  AddUnmodelled(splits.unmodelled, scales, out);
+  AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, columns, scales, out);
+  AddTexture(splits.texture, carried.values, out);
+  if (carried.straightened.size() > 0) AddShift(carried.straightened, out.model);
   AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, scales, out);
   return out;
 }
@@ -438,9 +496,9 @@ Uncertainties EstimateUncertainty(const Solution& solution, const Observations& 
                                   const SolveOptions& options, const ResidualSplits& splits) {
   const Columns columns{observations.channels, static_cast<int>(solution.scene.lights.size())};
   const Covariance covariance = Invert(solution, observations, columns, options);
-  const Carried carried = CarryOver(solution, observations, order, columns, covariance);
-  const Parts parts =
-      PartsOf(solution, columns, splits, covariance, carried.jacobian, options.redundancy);
+  const Carried carried =
+      CarryOver(solution, observations, order, columns, covariance, splits.unmodelled.straightened);
+  const Parts parts = PartsOf(solution, columns, splits, covariance, carried, options.redundancy);
   Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
                     Unflatten(parts.stat, carried.unknown, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {

@@ -109,7 +109,6 @@ void AddViewCells(std::vector<ExtremeCell>& cells) {
   AddValues(cells, "views", {1, 2, 3, 360}, "", [](SyntheticConfig& c, double views) {
     c.motion.frames = static_cast<int>(views);
     c.motion.step_deg = 360.0 / views;
-    if (views > 100) c.samples_per_side = 3;
   });
   Add(cells, "views", "1, no noise", [](SyntheticConfig& c) {
     c.motion.frames = 1;
@@ -137,7 +136,6 @@ void AddViewCells(std::vector<ExtremeCell>& cells) {
               c.camera.focal_px *= width / c.camera.width;
               c.camera.height = std::max(8, static_cast<int>(0.75 * width));
               c.camera.width = static_cast<int>(width);
-              if (width > 200) c.samples_per_side = 3;
             });
   Add(cells, "picture width", "5164 px (20 Mpx), one view", [](SyntheticConfig& c) {
     c.camera.focal_px *= 5164.0 / c.camera.width;

@@ -1,0 +1,45 @@
+// Normals that are wrong: all of them tilted together, as those of a target that is registered a
+// little wrong, or each by itself, as those of a noisy scan.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "estimator/effect.h"
+#include "estimator/observations.h"
+#include "estimator/solver.h"
+
+namespace turnlight::estimator {
+
+using Prediction = std::vector<std::vector<float>>;  // as Predict's: channels x pixels
+
+struct TiltResponse {
+  // By the angle (radians) about each axis: the target's where observations know its poses (what
+  // can shadow itself), else W's.
+  std::array<Effect, 3> effects;
+  // Of squares, the angles' Gauss-Newton matrix and that of the scene's columns by the angles.
+  Eigen::Matrix3d together = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, Eigen::Dynamic, 3> mixed;
+  // Per pixel the squared change of its radiances by the angle of a tilt about a random axis across
+  // its normal.
+  std::vector<double> by_any;
+};
+
+TiltResponse TiltNormals(const Observations& pixels, const Scene& scene,
+                         const EvaluateOptions& options, const NormalEquations& untilted);
+
+// The scene that fits the pixels with the tilt that they ask for, found in turns by Gauss-Newton
+// steps. None if the cost (squares) does not fall by a fifth. solution: of all pixels; options: of
+// these.
+std::optional<Scene> FitTilts(const Observations& pixels, const Solution& solution,
+                              const EvaluateOptions& options);
+
+// The variance (radians^2, along an axis across) of normals that are wrong each by itself: the
+// squared residuals are larger where tilts change the picture more, beside what noise may do, which
+// is constant or grows with the radiance or its square. 0 if that is not beyond chance.
+double NormalVariance(const Observations& pixels, const Prediction& model,
+                      const std::vector<double>& by_any_tilt);
+
+}  // namespace turnlight::estimator
