@@ -3,7 +3,6 @@
 // short. A step that ends at a bound is no failure then; with lights to spare most steps do.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "estimator/normal_equations.h"

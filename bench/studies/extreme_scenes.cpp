@@ -1,5 +1,4 @@
 #include <cmath>
-#include <utility>
 
 #include "base/angles.h"
 #include "base/format.h"

@@ -1,11 +1,9 @@
 // study: measures the estimator on many scenes. `study NAME --help` tells the options.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <string>
 
-#include "base/file.h"
 #include "bench/studies/random_scene.h"
 #include "bench/studies/report.h"
 #include "bench/studies/studies.h"

@@ -11,7 +11,6 @@
 
 #include "base/file.h"
 #include "base/format.h"
-#include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 #include "bench/studies/svg_chart.h"
 

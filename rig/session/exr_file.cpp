@@ -10,7 +10,6 @@
 #include <ImfVersion.h>
 
 #include <cstring>
-#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <utility>

@@ -6,7 +6,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
