@@ -33,7 +33,7 @@ Result<Range> ParseRange(const std::string& text) {
   if (std::sscanf(text.c_str(), "%d:%d%c", &range.begin, &range.end, &rest) == 2 &&
       range.begin >= 0 && range.begin < range.end && range.end <= 1000000)
     return range;
-  return InputError("--scenes: \"" + text + "\", allowed is A:B with 0 <= A < B");
+  return InputError("--scenes: \"" + text + "\", allowed is A:B with 0 <= A < B <= 1000000");
 }
 
 int Print(const StudyFile& file, const Arguments& arguments) {
@@ -82,6 +82,9 @@ int RunExtremes(const Arguments& arguments) {
   std::vector<Job> jobs = ExtremeJobs();
   std::erase_if(jobs,
                 [&](const Job& job) { return job.id.find(arguments.scenes) == std::string::npos; });
+  if (jobs.empty())
+    return Refuse({ErrorKind::kInput, "--only: no cell's id contains \"" + arguments.scenes +
+                                          "\"; ids are such as 001/shininess/0.5"});
   return Run("extremes", jobs, arguments);
 }
 
