@@ -1,12 +1,10 @@
 #include "app/capture_run.h"
 
-#include <array>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "app/capture_display.h"

@@ -10,13 +10,16 @@
 namespace turnlight::app {
 namespace {
 
-// A config of a run has a graph; one of a generated session has none.
+// A config of a run has a graph, or at least what a graph with a slip in its name goes with; one of
+// a generated session has none of these.
 Result<bool> IsRunConfig(const std::string& file) {
   const auto text = ReadFile(file);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, file);
   if (!document) return Forward(document);
-  return document->root.is_object() && document->root.contains("graph");
+  const auto& root = document->root;
+  return root.is_object() &&
+         (root.contains("graph") || root.contains("rig") || root.contains("capture"));
 }
 
 Status CheckRun(const std::string& file) {
@@ -41,6 +44,11 @@ int Check(const std::string& file) {
 }
 
 int Show(const std::string& file) {
+  const auto is_run = IsRunConfig(file);
+  if (!is_run) return Fail(is_run.error());
+  if (*is_run)
+    return Fail({ErrorKind::kInput,
+                 file + ": a config for turnlight run, allowed is one for turnlight synthesize"});
   const auto config = rig::ReadSyntheticConfig(file);
   if (!config) return Fail(config.error());
   std::cout << rig::ToYaml(*config) << std::flush;
@@ -48,11 +56,12 @@ int Show(const std::string& file) {
 }
 
 void AddPart(CLI::App& parent, Action& action, const std::string& name,
-             const std::string& description, int (*run)(const std::string&)) {
+             const std::string& description, const std::string& file_for,
+             int (*run)(const std::string&)) {
   CLI::App* command = AddCommand(parent, name, description,
                                  "turnlight config " + name + " configs/synthetic_sphere.yaml");
   auto file = std::make_shared<std::string>();
-  command->add_option("CONFIG", *file, "A YAML file for turnlight synthesize or run")->required();
+  command->add_option("CONFIG", *file, "A YAML file for turnlight " + file_for)->required();
   command->callback([file, run, &action] { action = [file, run] { return run(*file); }; });
 }
 
@@ -62,8 +71,10 @@ void AddConfig(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("config", "Check a configuration, or show all of it");
   command->require_subcommand(1);
   command->footer("Example:\n  turnlight config show configs/synthetic_sphere.yaml");
-  AddPart(*command, action, "check", "Check a configuration without running it", Check);
-  AddPart(*command, action, "show", "Print every key with its value, defaults included", Show);
+  AddPart(*command, action, "check", "Check a configuration without running it",
+          "synthesize or run", Check);
+  AddPart(*command, action, "show", "Print every key with its value, defaults included",
+          "synthesize", Show);
 }
 
 }  // namespace turnlight::app

@@ -1,6 +1,5 @@
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,8 +67,9 @@ void AddEstimate(CLI::App& program, Action& action) {
       ->type_name("FILE");
   command
       ->add_option("--model", arguments->model,
-                   "Decide what the data otherwise decide: lights=N, diffuse=lambert|oren-nayar, "
-                   "specular=none|phong|blinn-phong, lights-are=near|distant; may be repeated")
+                   "Decide what the data otherwise decide: lights=N (1 to 32), "
+                   "diffuse=lambert|oren-nayar, specular=none|phong|blinn-phong, "
+                   "lights-are=near|distant; may be repeated")
       ->type_name("KEY=VALUE");
   command->add_flag("--no-pictures", arguments->no_pictures, "Write result.json only");
   command->add_flag("--json", arguments->json,

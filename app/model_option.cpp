@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/format.h"
 #include "base/nearest.h"
 
 namespace turnlight::app {
@@ -19,15 +20,15 @@ template <typename Value>
 Status Choose(const std::string& option, const std::string& word,
               const std::vector<std::pair<std::string, Value>>& allowed,
               std::optional<Value>& out) {
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& [name, value] : allowed) {
     if (name == word) {
       out = value;
       return {};
     }
-    names += (names.empty() ? "" : ", ") + name;
+    names.push_back(name);
   }
-  return InputError("--model " + option + ": \"" + word + "\", allowed are " + names);
+  return InputError("--model " + option + ": \"" + word + "\", allowed are " + Listed(names));
 }
 
 Status ChooseCount(const std::string& option, const std::string& word, std::optional<int>& out) {
@@ -35,8 +36,7 @@ Status ChooseCount(const std::string& option, const std::string& word, std::opti
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
   if (error != std::errc() || end != word.data() + word.size() || count < 1 || count > kMostLights)
     return InputError("--model " + option + ": \"" + word +
-                      "\", allowed is a whole number from 1 " + "to " +
-                      std::to_string(kMostLights));
+                      "\", allowed is a whole number from 1 to " + std::to_string(kMostLights));
   out = count;
   return {};
 }
@@ -63,7 +63,7 @@ Status ApplyModelOption(const std::string& option, ModelChoice& choice) {
     return Choose<bool>(option, word, {{"near", true}, {"distant", false}}, choice.near);
   const std::vector<std::string> keys = {"lights", "diffuse", "specular", "lights-are"};
   return InputError("--model " + option + ": unknown key \"" + key + "\"" + DidYouMean(key, keys) +
-                    ", allowed are lights, diffuse, specular, lights-are");
+                    ", allowed are " + Listed(keys));
 }
 
 }  // namespace turnlight::app

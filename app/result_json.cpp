@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/angles.h"
+#include "estimator/normal_equations.h"
 #include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
@@ -219,7 +220,7 @@ ordered_json NotesToJson(const Estimate& estimate) {
 }  // namespace
 
 double LobeWidthDeg(const estimator::Reflectance& reflectance) {
-  const double half = RadToDeg(std::acos(std::exp2(-1.0 / reflectance.shininess)));
+  const double half = RadToDeg(estimator::LobeHalfWidth(reflectance.shininess));
   return reflectance.specular_model == estimator::SpecularModel::kBlinnPhong ? 4.0 * half
                                                                              : 2.0 * half;
 }

@@ -1,6 +1,5 @@
 #include "app/run_config.h"
 
-#include <algorithm>
 #include <set>
 #include <utility>
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/angles.h"
+#include "base/format.h"
 #include "base/nearest.h"
 
 namespace turnlight::app {
@@ -120,7 +121,10 @@ Status ApplySetting(const std::string& setting, Scene& scene) {
   if (key == "specular")
     return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.specular);
   if (key == "shininess")
-    return SetNumber(key, value, 0.5, 1e5, "a number from 0.5 to 100000", reflectance.shininess);
+    return SetNumber(
+        key, value, estimator::kMinShininess, estimator::kMaxShininess,
+        Format("a number from %.10g to %.10g", estimator::kMinShininess, estimator::kMaxShininess),
+        reflectance.shininess);
   if (key == "roughness_deg") return SetRoughness(value, reflectance);
   if (key.starts_with("light.")) return SetLight(key, value, scene);
   const std::vector<std::string> keys = {"model",         "albedo",           "ambient",
@@ -129,9 +133,7 @@ Status ApplySetting(const std::string& setting, Scene& scene) {
   const std::string nearest = Nearest(key, keys);
   if (!nearest.empty())
     return InputError("--set " + key + ": unknown key, did you mean " + nearest + "?");
-  std::string all;
-  for (const std::string& word : keys) all += (all.empty() ? "" : ", ") + word;
-  return InputError("--set " + key + ": unknown key, allowed are " + all);
+  return InputError("--set " + key + ": unknown key, allowed are " + Listed(keys));
 }
 
 Result<Light> ParseLight(const std::string& text) {

@@ -13,6 +13,7 @@
 #include "app/result_json.h"
 #include "app/summary.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "base/parallel.h"
 #include "estimator/estimate.h"
 #include "rig/session/session.h"
@@ -69,11 +70,11 @@ Result<double> FromMetres(double metres, const std::string& length_unit) {
                                                         {"in", 0.0254}, {"ft", 0.3048}};
   const auto unit = kMetres.find(length_unit);
   if (unit != kMetres.end()) return metres / unit->second;
-  std::string known;
-  for (const auto& [name, value] : kMetres) known += (known.empty() ? "" : ", ") + name;
+  std::vector<std::string> known;
+  for (const auto& [name, value] : kMetres) known.push_back(name);
   return InputError(
       "--ceiling-distance: metres cannot be converted to the session's length_unit \"" +
-      length_unit + "\", known are " + known);
+      length_unit + "\", known are " + Listed(known));
 }
 
 Status CheckMethod(const SessionEstimateOptions& given) {

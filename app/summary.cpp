@@ -6,7 +6,6 @@
 #include "app/result_json.h"
 #include "base/angles.h"
 #include "base/format.h"
-#include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
 namespace {

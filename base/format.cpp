@@ -17,4 +17,10 @@ std::string Format(const char* format, ...) {
   return text;
 }
 
+std::string Listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 }  // namespace turnlight

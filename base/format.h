@@ -1,11 +1,15 @@
-// printf's formats for texts, in place of streams; formats and arguments are checked by the
-// compiler.
+// Short texts: printf's formats in place of streams, formats and arguments being checked by the
+// compiler; lists of words.
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace turnlight {
 
 std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+// "a, b, c", as messages name what is allowed.
+std::string Listed(const std::vector<std::string>& words);
 
 }  // namespace turnlight

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/format.h"
 #include "base/nearest.h"
 
 namespace turnlight {
@@ -40,12 +41,6 @@ std::string ShowRange(Range range) {
 
 bool InRange(double value, Range range) {
   return std::isfinite(value) && value >= range.min && value <= range.max && value > range.above;
-}
-
-std::string Join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
 }
 
 std::string PlainPointer(const std::string& pointer) {
@@ -301,7 +296,7 @@ std::optional<std::string> StrictObject::OptionalChoice(std::string_view key,
   if (!value) return std::nullopt;
   for (const std::string& word : allowed)
     if (value->is_string() && value->get<std::string>() == word) return word;
-  Refuse(key, "one of " + Join(allowed));
+  Refuse(key, "one of " + Listed(allowed));
   return std::nullopt;
 }
 
@@ -396,7 +391,7 @@ Status StrictObject::Finish() {
     if (error_) allowed |= Nearest(entry.key(), std::vector<std::string>{missing_}).empty();
     if (!allowed)
       return InputError(Where(entry.key()) + ": unknown key, allowed are " +
-                        Join({known_.begin(), known_.end()}) + DidYouMean(entry.key(), known_));
+                        Listed({known_.begin(), known_.end()}) + DidYouMean(entry.key(), known_));
   }
   return error_ ? Status(tl::unexpected<Error>(*error_)) : Status();
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "base/parallel.h"
 #include "calib/camera_model_text.h"
 
@@ -41,10 +42,10 @@ struct Lens {
 };
 
 std::string SupportedLensModels() {
-  std::string names;
+  std::vector<std::string> names;
   for (const char* const* name = mrcal_supported_lensmodel_names(); *name != nullptr; ++name)
-    names += (names.empty() ? "" : ", ") + std::string(*name);
-  return names;
+    names.emplace_back(*name);
+  return Listed(names);
 }
 
 // The fewest digits that read back the same bits.

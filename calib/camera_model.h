@@ -11,7 +11,6 @@
 
 #include <Eigen/Core>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -9,8 +9,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "base/result.h"
-
 namespace turnlight::calib {
 
 enum class Encoding { kLinear, kSrgb, kGamma };

@@ -2,7 +2,7 @@
 
 #include "base/format.h"
 #include "estimator/find_lights.h"
-#include "estimator/settled_solve.h"
+#include "estimator/normal_equations.h"
 
 namespace turnlight::estimator {
 namespace {

@@ -1,7 +1,6 @@
 // Where a solve starts, and which lights it starts with.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "estimator/model_choice.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "base/angles.h"
 #include "base/parallel.h"
@@ -12,6 +11,7 @@ namespace turnlight::estimator {
 namespace {
 
 constexpr int kRows = 180, kColumns = 360;
+constexpr double kSmoothingDeg = 2.0;
 constexpr float kUnseen = std::numeric_limits<float>::quiet_NaN();
 
 struct Cells {
@@ -38,13 +38,13 @@ Cells Plot(const Observations& all) {
 
 // The Gaussian-weighted mean of the samples around a cell. Azimuth cells shrink towards the poles,
 // so the window there is wider in columns.
-float Smoothed(const Cells& cells, int row, int column, double sigma_deg) {
-  const int reach = static_cast<int>(std::ceil(2.0 * sigma_deg));
+float Smoothed(const Cells& cells, int row, int column) {
+  const int reach = static_cast<int>(std::ceil(2.0 * kSmoothingDeg));
   const double sine = std::sin(DegToRad(row + 0.5));
   const int wide =
       std::min(static_cast<int>(std::ceil(reach / std::max(sine, 1e-3))), kColumns / 2);
   const Eigen::Vector3d here = MapDirection(row, column);
-  const double falloff = 0.5 / (DegToRad(sigma_deg) * DegToRad(sigma_deg));
+  const double falloff = 0.5 / (DegToRad(kSmoothingDeg) * DegToRad(kSmoothingDeg));
   double sum = 0.0, weights = 0.0;
   for (int r = std::max(row - reach, 0); r <= std::min(row + reach, kRows - 1); ++r)
     for (int d = -wide; d < wide; ++d) {
@@ -66,14 +66,13 @@ Eigen::Vector3d MapDirection(int row, int column) {
           std::cos(zenith)};
 }
 
-IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg) {
+IntensityMap MakeIntensityMap(const Observations& observations) {
   const Cells cells = Plot(observations);
   IntensityMap map{cv::Mat1f(kRows, kColumns, kUnseen)};
   ParallelFor(kRows, [&](std::size_t r) {
     const int row = static_cast<int>(r);
     for (int column = 0; column < kColumns; ++column)
-      if (cells.count(row, column) > 0.0)
-        map.intensity(row, column) = Smoothed(cells, row, column, sigma_deg);
+      if (cells.count(row, column) > 0.0) map.intensity(row, column) = Smoothed(cells, row, column);
   });
   return map;
 }

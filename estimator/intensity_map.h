@@ -21,8 +21,8 @@ inline constexpr double kHighShare = 0.5;
 inline constexpr double kClusterRadiusDeg = 25.0;
 
 // Every pixel's grey value is plotted at the direction of its mirrored view; a cell is the mean.
-// Then a Gaussian of sigma_deg on the sphere (wide enough to close the gaps between samples).
-IntensityMap MakeIntensityMap(const Observations& observations, double sigma_deg = 2.0);
+// Then a Gaussian of 2 degrees on the sphere (wide enough to close the gaps between samples).
+IntensityMap MakeIntensityMap(const Observations& observations);
 
 // The direction in W at the middle of a cell.
 Eigen::Vector3d MapDirection(int row, int column);

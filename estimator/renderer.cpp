@@ -1,6 +1,5 @@
 #include "estimator/renderer.h"
 
-#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"

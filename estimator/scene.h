@@ -30,12 +30,16 @@ Light Recentred(const Light& light, const Eigen::Vector3d& new_origin);
 enum class DiffuseModel { kLambert, kOrenNayar };
 enum class SpecularModel { kNone, kPhong, kBlinnPhong };
 
+// What a lobe may be: from hardly one to narrower than pixels.
+inline constexpr double kMinShininess = 0.5;
+inline constexpr double kMaxShininess = 1e5;
+
 struct Reflectance {
   Eigen::Vector3d albedo = Eigen::Vector3d::Ones();  // O, R G B
   double ambient = 0.0;                              // k_a
   double diffuse = 1.0;                              // k_d
   double specular = 0.0;                             // k_s
-  double shininess = 1.0;                            // n, [0.5, 1e5]
+  double shininess = 1.0;                            // n, kMinShininess to kMaxShininess
   DiffuseModel diffuse_model = DiffuseModel::kLambert;
   double roughness = 0.0;  // Oren-Nayar's sigma, radians of facet slope; 0 is Lambert
   SpecularModel specular_model = SpecularModel::kPhong;

@@ -3,16 +3,13 @@
 // short. A step that ends at a bound is no failure then; with lights to spare most steps do.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "estimator/normal_equations.h"
 
 namespace turnlight::estimator {
 
-// Bounds of the solver's coordinates (design, section 3).
-inline constexpr double kMinShininess = 0.5;
-inline constexpr double kMaxShininess = 1e5;
+// Bounds of the solver's coordinates (design, section 3), besides those of shininess.
 inline constexpr double kMaxRoughness = 1.5707963;   // radians of facet slope
 inline constexpr double kMaxInverseDistance = 0.95;  // in 1/R: a light stays outside the target
 

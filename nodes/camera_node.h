@@ -5,7 +5,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "nodes/graph/action.h"
 #include "nodes/messages.h"

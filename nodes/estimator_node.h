@@ -6,7 +6,6 @@
 //   params   every (1): solve after so many keyframes
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 

@@ -1,8 +1,6 @@
 #include "nodes/messages.h"
 
-#include <limits>
 #include <span>
-#include <utility>
 
 namespace turnlight::graph {
 namespace {

@@ -7,7 +7,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "nodes/graph/action.h"
 #include "nodes/messages.h"

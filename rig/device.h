@@ -9,7 +9,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>

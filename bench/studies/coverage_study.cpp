@@ -1,5 +1,4 @@
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <map>
 

@@ -17,8 +17,6 @@ using rig::SyntheticSession;
 
 constexpr std::uint64_t kSpoilStream = std::uint64_t{1} << 53;
 
-std::string Text(double value) { return Format("%g", value); }
-
 // A cell whose session is made from a config and then changed.
 void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::string& setting,
          const SyntheticConfig& config, const std::function<void(SyntheticSession&)>& change) {
@@ -121,7 +119,7 @@ void AddFloatCells(std::vector<ExtremeCell>& cells) {
                                                   {"-1e30", -1e30f}};
   for (const auto& [name, value] : values)
     for (const double share : {0.01, 1.0})
-      Add(cells, "float pictures", Text(100.0 * share) + " % " + name, FloatConfig(),
+      Add(cells, "float pictures", Format("%g", 100.0 * share) + " % " + name, FloatConfig(),
           [share = share, value = value](SyntheticSession& s) { SpoilFloats(s, share, value); });
 }
 
@@ -134,7 +132,7 @@ void AddPictureCells(std::vector<ExtremeCell>& cells) {
     for (rig::SyntheticFrame& frame : s.frames) frame.image = s.frames[0].image;
   });
   for (const double radii : {1.0, 10.0, 100.0, 1e4})
-    Add(cells, "W's origin away", Text(radii) + " radii", PlainConfig(),
+    Add(cells, "W's origin away", Format("%g", radii) + " radii", PlainConfig(),
         [radii](SyntheticSession& s) {
           MoveOrigin(s, 50.0 * radii * Eigen::Vector3d(1.0, -2.0, -2.0) / 3.0);
         });
@@ -142,16 +140,17 @@ void AddPictureCells(std::vector<ExtremeCell>& cells) {
     Add(cells, "usable pixels", std::to_string(count), PlainConfig(),
         [count](SyntheticSession& s) { KeepPixels(s, count); });
   for (const double share : {0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.6})
-    Add(cells, "outliers", Text(100.0 * share) + " %", PlainConfig(),
+    Add(cells, "outliers", Format("%g", 100.0 * share) + " %", PlainConfig(),
         [share](SyntheticSession& s) { SpoilPixels(s, share); });
   SyntheticConfig lump = PlainConfig();
   lump.target = rig::Blob{40.0, 0.15, 96};
   for (const bool each : {false, true})
     for (const double angle : {0.0, 1.0, 3.0, 10.0})
-      Add(cells, each ? "normals wrong, each" : "normals wrong, one tilt", Text(angle) + " deg",
-          lump, [angle, each](SyntheticSession& s) { TurnNormals(s, DegToRad(angle), each); });
+      Add(cells, each ? "normals wrong, each" : "normals wrong, one tilt",
+          Format("%g", angle) + " deg", lump,
+          [angle, each](SyntheticSession& s) { TurnNormals(s, DegToRad(angle), each); });
   for (const double depth : {0.05, 0.2, 0.5})
-    Add(cells, "dirt, a third darker by", Text(100.0 * depth) + " %", PlainConfig(),
+    Add(cells, "dirt, a third darker by", Format("%g", 100.0 * depth) + " %", PlainConfig(),
         [depth](SyntheticSession& s) { AddDirt(s, depth); });
   AddFloatCells(cells);
 }

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <utility>
 
 #include "base/angles.h"
 #include "base/format.h"
@@ -12,8 +11,6 @@ using rig::LightSpec;
 using rig::SyntheticConfig;
 
 using Change = std::function<void(SyntheticConfig&)>;
-
-std::string Text(double value) { return Format("%g", value); }
 
 void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::string& setting,
          const Change& change) {
@@ -28,7 +25,7 @@ void AddValues(std::vector<ExtremeCell>& cells, const std::string& group,
                const std::vector<double>& values, const std::string& unit,
                const std::function<void(SyntheticConfig&, double)>& change) {
   for (const double value : values)
-    Add(cells, group, Text(value) + unit,
+    Add(cells, group, Format("%g", value) + unit,
         [change, value](SyntheticConfig& config) { change(config, value); });
 }
 
@@ -158,7 +155,7 @@ void AddSensorCells(std::vector<ExtremeCell>& cells) {
             [](SyntheticConfig& c, double share) { c.sensor.clip_share = share; });
   for (const double bits : {8.0, 10.0, 12.0, 16.0})
     for (const bool noisy : {false, true})
-      Add(cells, "bits", Text(bits) + (noisy ? ", noise 0.2 %" : ", no noise"),
+      Add(cells, "bits", Format("%g", bits) + (noisy ? ", noise 0.2 %" : ", no noise"),
           [bits, noisy](SyntheticConfig& c) {
             c.sensor.depth = bits == 8 ? rig::SensorDepth::k8 : rig::SensorDepth::k16;
             c.sensor.white = std::exp2(bits) - 1.0;

@@ -6,6 +6,7 @@
 #include "bench/studies/score.h"
 #include "bench/studies/studies.h"
 #include "bench/studies/take.h"
+#include "estimator/normal_equations.h"
 
 namespace turnlight::studies {
 namespace {
@@ -22,7 +23,7 @@ bool Close(const estimator::Light& a, const estimator::Light& b, double angle) {
 // (nearly, if the estimate found fewer) the same place are one.
 void KeepKnowable(estimator::Scene& scene, std::size_t found) {
   if (scene.reflectance.diffuse == 0.0 && scene.reflectance.specular == 0.0) scene.lights.clear();
-  const double width = 2.0 * std::acos(std::exp2(-1.0 / scene.reflectance.shininess));
+  const double width = 2.0 * estimator::LobeHalfWidth(scene.reflectance.shininess);
   const double angle = found < scene.lights.size() ? kOneLight * width : 1e-7;
   std::vector<estimator::Light> merged;
   for (const estimator::Light& light : scene.lights) {

@@ -1,11 +1,9 @@
 // study: measures the estimator on many scenes. `study NAME --help` tells the options.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <string>
 
-#include "base/file.h"
 #include "bench/studies/random_scene.h"
 #include "bench/studies/report.h"
 #include "bench/studies/studies.h"
@@ -35,7 +33,7 @@ Result<Range> ParseRange(const std::string& text) {
   if (std::sscanf(text.c_str(), "%d:%d%c", &range.begin, &range.end, &rest) == 2 &&
       range.begin >= 0 && range.begin < range.end && range.end <= 1000000)
     return range;
-  return InputError("--scenes: \"" + text + "\", allowed is A:B with 0 <= A < B");
+  return InputError("--scenes: \"" + text + "\", allowed is A:B with 0 <= A < B <= 1000000");
 }
 
 int Print(const StudyFile& file, const Arguments& arguments) {
@@ -84,6 +82,9 @@ int RunExtremes(const Arguments& arguments) {
   std::vector<Job> jobs = ExtremeJobs();
   std::erase_if(jobs,
                 [&](const Job& job) { return job.id.find(arguments.scenes) == std::string::npos; });
+  if (jobs.empty())
+    return Refuse({ErrorKind::kInput, "--only: no cell's id contains \"" + arguments.scenes +
+                                          "\"; ids are such as 001/shininess/0.5"});
   return Run("extremes", jobs, arguments);
 }
 

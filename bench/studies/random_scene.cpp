@@ -9,6 +9,7 @@
 #include "base/angles.h"
 #include "base/random.h"
 #include "bench/studies/seen.h"
+#include "estimator/normal_equations.h"
 
 namespace turnlight::studies {
 namespace {
@@ -132,7 +133,7 @@ bool FarEnough(const Light& light, const std::vector<Light>& others, double sepa
 // Lights that are far enough apart and whose highlights are seen; none if they found no place.
 std::vector<Light> DrawLights(Draws& draw, Kind kind, int count, double radius, double shininess,
                               const SeenSurface& seen) {
-  const double separation = kLobeWidths * 2.0 * std::acos(std::exp2(-1.0 / shininess));
+  const double separation = kLobeWidths * 2.0 * estimator::LobeHalfWidth(shininess);
   std::vector<Light> lights;
   for (int attempt = 0; attempt < kTriesPerLight * count; ++attempt) {
     if (static_cast<int>(lights.size()) == count) return lights;

@@ -1,4 +1,3 @@
-
 #include "base/format.h"
 #include "bench/studies/random_scene.h"
 #include "bench/studies/studies.h"

@@ -11,7 +11,6 @@
 
 #include "base/file.h"
 #include "base/format.h"
-#include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 #include "bench/studies/svg_chart.h"
 
@@ -23,9 +22,7 @@ constexpr int kWorstListed = 8;
 std::string Commits(const StudyFile& file) {
   std::set<std::string> commits;
   for (const auto& [id, record] : file.records) commits.insert(record.value("commit", "?"));
-  std::string text;
-  for (const std::string& commit : commits) text += (text.empty() ? "" : ", ") + commit;
-  return text;
+  return Listed({commits.begin(), commits.end()});
 }
 
 std::string Section(const StudyFile& file, const std::string& title, const std::string& what) {
@@ -134,9 +131,7 @@ std::string CellRow(const Json& record) {
   if (record.contains("refused"))
     return begin + "refused | | | | " + time + " | " + record["refused"].get<std::string>() +
            " |\n";
-  std::string notes;
-  for (const Json& code : record["notes"])
-    notes += (notes.empty() ? "" : ", ") + code.get<std::string>();
+  const auto notes = Listed(record["notes"].get<std::vector<std::string>>());
   double sigma = 0.0;
   const Quantity* worst = nullptr;
   const auto quantities = Quantities(record);

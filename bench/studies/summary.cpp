@@ -5,7 +5,6 @@
 #include <map>
 
 #include "base/format.h"
-#include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 
 namespace turnlight::studies {

@@ -11,10 +11,10 @@
 
 namespace turnlight::studies {
 
-// "  holds  COUNT RIGHT        190 of 200 = 95.0 %, wanted 95 %"
+// "  holds  COUNT RIGHT        190 of 200 = 95.0 %, wanted 95 %"; "none" instead, and nothing
+// decided, if there is nothing to judge.
 void Accept(Summary& summary, const std::string& what, std::size_t good, std::size_t all,
             double wanted_share);
-// "none" instead, and nothing decided, if there is nothing to judge.
 // The same with a measured value and what it may be at most.
 void AcceptAtMost(Summary& summary, const std::string& what, double value, double limit,
                   const char* unit);

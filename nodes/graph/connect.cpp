@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "base/format.h"
 #include "base/nearest.h"
 
 namespace turnlight::graph {
@@ -16,9 +17,7 @@ constexpr Policy kFeedbackPolicy{Policy::Kind::kKeepLast, 1};
 std::string Quoted(const std::string& text) { return "\"" + text + "\""; }
 
 std::string List(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return names.empty() ? "none" : text;
+  return names.empty() ? "none" : Listed(names);
 }
 
 // "WHERE: "WORD": PROBLEM, allowed are A, B (did you mean "A"?)".

@@ -3,6 +3,7 @@
 #include <exception>
 #include <utility>
 
+#include "base/format.h"
 #include "base/nearest.h"
 #include "nodes/graph/connect.h"
 #include "nodes/graph/executor.h"
@@ -14,12 +15,10 @@ namespace {
 
 Result<std::unique_ptr<Node>> MakeNode(const NodeConfig& config, const NodeRegistry& registry) {
   const NodeRegistry::Factory* factory = registry.Find(config.type);
-  if (!factory) {
-    std::string types;
-    for (const std::string& type : registry.Types()) types += (types.empty() ? "" : ", ") + type;
+  if (!factory)
     return InputError(config.where + ": there is no node type \"" + config.type +
-                      "\", allowed are " + types + DidYouMean(config.type, registry.Types()));
-  }
+                      "\", allowed are " + Listed(registry.Types()) +
+                      DidYouMean(config.type, registry.Types()));
   std::unique_ptr<Node> node;
   std::string problem = "its factory returned nothing";
   try {
@@ -133,14 +132,12 @@ void Graph::RaiseStop(GraphParts& parts, StopMode mode) {
 
 Result<OutputPort*> Graph::FindOutput(const std::string& topic) const {
   std::vector<std::string> topics;
-  std::string list;
   for (const auto& node : parts_->nodes)
     for (OutputPort* port : node->core().outputs) {
       if (port->Topic() == topic) return port;
       topics.push_back(port->Topic());
-      list += (list.empty() ? "" : ", ") + topics.back();
     }
-  return InputError("there is no topic \"" + topic + "\", allowed are " + list +
+  return InputError("there is no topic \"" + topic + "\", allowed are " + Listed(topics) +
                     DidYouMean(topic, topics));
 }
 

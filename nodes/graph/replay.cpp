@@ -1,7 +1,5 @@
 #include "nodes/graph/replay.h"
 
-#include <utility>
-
 namespace turnlight::graph {
 namespace {
 

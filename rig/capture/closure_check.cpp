@@ -1,7 +1,6 @@
 #include "rig/capture/closure_check.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <system_error>
 

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <system_error>
 
+#include "base/format.h"
 #include "base/sha256.h"
 #include "rig/capture/exposure_merge.h"
 #include "rig/session/image_file.h"
@@ -351,13 +352,12 @@ Status SessionRecorder::Add(const RecordedKeyframe& keyframe) {
 Status SessionRecorder::Finish() {
   if (broken_) return tl::unexpected<Error>(*broken_);
   if (!journal_) return InputError(root_.string() + ": the session is finished already");
-  std::string missing;
-  for (const PlannedFrame& planned : Missing())
-    missing += (missing.empty() ? "" : ", ") + Label(planned);
+  std::vector<std::string> missing;
+  for (const PlannedFrame& planned : Missing()) missing.push_back(Label(planned));
   if (!missing.empty())
     return tl::unexpected<Error>(
         Error{ErrorKind::kIncomplete,
-              root_.string() + ": the capture is not complete, missing are " + missing});
+              root_.string() + ": the capture is not complete, missing are " + Listed(missing)});
   if (const Status status = WriteSessionFiles(); !status) return Break(status);
   journal_.reset();
   provenance_.reset();

@@ -10,12 +10,12 @@
 #include <ImfVersion.h>
 
 #include <cstring>
-#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/format.h"
 #include "rig/session/image_formats.h"
 
 namespace turnlight::rig {
@@ -103,10 +103,10 @@ Status CheckAttributes(std::string_view rest, const std::string& file) {
 // The channels in the order they are stored in memory: R, G, B, or Y.
 Result<std::vector<std::string>> CheckChannels(const Imf::ChannelList& list,
                                                const std::string& file) {
-  std::string names;
+  std::vector<std::string> names;
   std::size_t count = 0;
   for (auto channel = list.begin(); channel != list.end(); ++channel, ++count) {
-    names += (names.empty() ? "" : ", ") + std::string(channel.name());
+    names.emplace_back(channel.name());
     if (channel.channel().type == Imf::UINT || channel.channel().xSampling != 1 ||
         channel.channel().ySampling != 1)
       return InputError(file + ": OpenEXR channel " + channel.name() +
@@ -115,7 +115,7 @@ Result<std::vector<std::string>> CheckChannels(const Imf::ChannelList& list,
   if (count == 1 && list.findChannel("Y")) return std::vector<std::string>{"Y"};
   if (count == 3 && list.findChannel("R") && list.findChannel("G") && list.findChannel("B"))
     return std::vector<std::string>{"R", "G", "B"};
-  return InputError(file + ": " + std::to_string(count) + " OpenEXR channels (" + names +
+  return InputError(file + ": " + std::to_string(count) + " OpenEXR channels (" + Listed(names) +
                     "), allowed are Y, and R, G, B");
 }
 

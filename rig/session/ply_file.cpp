@@ -9,12 +9,10 @@
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
 #include <charconv>
-#include <limits>
 #include <locale>
 #include <map>
 #include <mutex>
 #include <sstream>
-#include <stdexcept>
 #include <string_view>
 
 #include "rig/session/mesh_formats.h"

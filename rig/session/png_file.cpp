@@ -3,7 +3,6 @@
 #include <png.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstring>

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
 #include "base/strict_object.h"
 #include "rig/session/session.h"
 

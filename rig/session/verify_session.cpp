@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "base/parallel.h"
 #include "base/sha256.h"
 #include "rig/session/journal.h"
@@ -106,19 +107,19 @@ Result<VerifyReport> VerifyUnfinished(const fs::path& root) {
       report.problems.push_back(EntryLabel(header, index) + ": " + problem);
   }
   const std::size_t count = header.angles_deg.size();
-  std::string angles;
+  std::vector<std::string> angles;
   for (std::size_t i = 0; i < count + (header.closure_deg ? 1 : 0); ++i) {
     if (good.contains(i)) {
       report.frames += i < count ? 1 : 0;
       continue;
     }
     report.lost_angles_deg.push_back(i < count ? header.angles_deg[i] : *header.closure_deg);
-    angles += (angles.empty() ? "" : ", ") + EntryLabel(header, i);
+    angles.push_back(EntryLabel(header, i));
   }
   report.problems.push_back(
       root.string() + ": the capture was not finished: " + std::to_string(report.frames) + " of " +
       std::to_string(count) + " frames are good" +
-      (angles.empty() ? ", only session.json is missing" : "; not there: " + angles) +
+      (angles.empty() ? ", only session.json is missing" : "; not there: " + Listed(angles)) +
       ". `turnlight resume` completes it");
   return report;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/format.h"
 #include "base/random.h"
 
 namespace turnlight::rig {
@@ -131,9 +132,8 @@ std::vector<FaultKind> ReadRandomKinds(StrictObject& object) {
     }
     kinds.push_back(FactsOfWord(word.get<std::string>()).kind);
   }
-  std::string all;
-  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
-  if (!list.is_array() || kinds.empty()) object.Refuse("faults", "a list of any of " + all);
+  if (!list.is_array() || kinds.empty())
+    object.Refuse("faults", "a list of any of " + Listed(words));
   return kinds;
 }
 

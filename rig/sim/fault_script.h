@@ -43,7 +43,6 @@
 // Wrong steps per revolution, direction and backlash are no events: MockTurntableConfig has them.
 #pragma once
 
-#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>

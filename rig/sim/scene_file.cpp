@@ -168,8 +168,11 @@ double SpecularOf(StrictObject& object, SpecularModel model) {
 
 // A lobe that is not there has no width: its shininess may be absent.
 double ShininessOf(StrictObject& object, double specular) {
-  if (specular > 0.0) return object.Number("shininess", {.min = 0.5, .max = 1e5});
-  return OptionalNumberOrNull(object, "shininess", {.min = 0.0, .max = 1e5}).value_or(1.0);
+  if (specular > 0.0)
+    return object.Number("shininess",
+                         {.min = estimator::kMinShininess, .max = estimator::kMaxShininess});
+  return OptionalNumberOrNull(object, "shininess", {.min = 0.0, .max = estimator::kMaxShininess})
+      .value_or(1.0);
 }
 
 double RoughnessOf(StrictObject& object, DiffuseModel model) {

@@ -19,7 +19,7 @@
 
 #include "base/result.h"
 #include "base/strict_object.h"
-#include "estimator/estimate.h"
+#include "estimator/initial_guess.h"
 #include "estimator/scene.h"
 
 namespace turnlight::rig {

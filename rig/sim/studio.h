@@ -2,7 +2,6 @@
 // noise, encoded, clipped. The generator of sessions and the mock camera photograph through it.
 #pragma once
 
-#include <cstdint>
 #include <opencv2/core.hpp>
 
 #include "base/random.h"

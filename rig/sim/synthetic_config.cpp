@@ -96,7 +96,8 @@ void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
     check.From("reflectance/ambient", given->ambient, 0.0, kMaxValue);
     check.From("reflectance/diffuse", given->diffuse, 0.0, kMaxValue);
     check.From("reflectance/specular", given->specular, 0.0, kMaxValue);
-    check.From("reflectance/shininess", given->shininess, 0.5, 1e5);
+    check.From("reflectance/shininess", given->shininess, estimator::kMinShininess,
+               estimator::kMaxShininess);
     check.From("reflectance/roughness_deg", RadToDeg(given->roughness), 0.0, 90.0);
     return;
   }
@@ -105,7 +106,8 @@ void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
   Within(check, "random_reflectance/ambient", random.ambient, 0.0, kMaxValue);
   Within(check, "random_reflectance/diffuse", random.diffuse, 0.0, kMaxValue);
   Within(check, "random_reflectance/specular", random.specular, 0.0, kMaxValue);
-  Within(check, "random_reflectance/shininess", random.shininess, 0.5, 1e5);
+  Within(check, "random_reflectance/shininess", random.shininess, estimator::kMinShininess,
+         estimator::kMaxShininess);
   Within(check, "random_reflectance/roughness_deg", random.roughness_deg, 0.0, 90.0);
 }
 

@@ -16,7 +16,7 @@
 #include "calib/pose.h"
 #include "calib/radiometry.h"
 #include "calib/target_shape.h"
-#include "estimator/estimate.h"
+#include "estimator/keyframe.h"
 #include "estimator/scene.h"
 #include "rig/sim/synthetic_config.h"
 

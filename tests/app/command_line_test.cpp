@@ -17,7 +17,8 @@ using Words = std::vector<std::string>;
 
 TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
   for (const Words& command :
-       {Words{}, Words{"estimate"}, Words{"render"}, Words{"synthesize"}, Words{"verify"},
+       {Words{}, Words{"run"}, Words{"capture"}, Words{"resume"}, Words{"replay"}, Words{"plan"},
+        Words{"graph"}, Words{"estimate"}, Words{"render"}, Words{"synthesize"}, Words{"verify"},
         Words{"config"}, Words{"config", "check"}, Words{"config", "show"}}) {
     Words words = command;
     words.push_back("--help");
@@ -72,7 +73,11 @@ TEST(CommandLine, MissingFilesAreNamed) {
        {Words{"verify", "/nowhere/s"}, Words{"estimate", "/nowhere/s", "--out", "/nowhere/o"},
         Words{"render", "/nowhere/s", "--params", "p", "--out", "/nowhere/o"},
         Words{"synthesize", "/nowhere/s", "--out", "/nowhere/o"},
-        Words{"config", "check", "/nowhere/s"}}) {
+        Words{"config", "check", "/nowhere/s"}, Words{"config", "show", "/nowhere/s"},
+        Words{"run", "/nowhere/s", "--out", "/nowhere/o"},
+        Words{"capture", "/nowhere/s", "--out", "/nowhere/o"}, Words{"resume", "/nowhere/s"},
+        Words{"replay", "/nowhere/s/log", "--out", "/nowhere/o"}, Words{"plan", "/nowhere/s"},
+        Words{"graph", "/nowhere/s"}}) {
     const Outcome outcome = RunProgram(words);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("/nowhere/s"));

@@ -295,6 +295,18 @@ TEST_F(Run, AMisspeltSectionIsNamed) {
   EXPECT_NE(outcome.err.find("did you mean \"rig\"?"), std::string::npos) << outcome.err;
 }
 
+TEST_F(Run, ItsConfigIsCheckedAsOneAndNotShown) {
+  EXPECT_EQ(RunProgram({"config", "check", config_}).exit_code, 0);
+  const Outcome slip = RunProgram(
+      {"config", "check", Config("slip.yaml", "simulated_turntable.yaml", "\ngraph:", "\ngrph:")});
+  EXPECT_EQ(slip.exit_code, 2);
+  EXPECT_NE(slip.err.find("did you mean \"graph\"?"), std::string::npos) << slip.err;
+  const Outcome shown = RunProgram({"config", "show", config_});
+  EXPECT_EQ(shown.exit_code, 2);
+  EXPECT_NE(shown.err.find("a config for turnlight run, allowed is"), std::string::npos)
+      << shown.err;
+}
+
 TEST_F(Run, UnknownDriverIsRefusedWithWhatIsAllowed) {
   const std::string other =
       Config("other.yaml", "simulated_turntable.yaml", "driver: mock", "driver: magic");

@@ -1,5 +1,5 @@
-// Proves that Format keeps what printf would print, however long, and that UtcNow has the shape
-// that files hold. Does not prove that the clock is right.
+// Proves that Format keeps what printf would print, however long, that Listed puts commas between
+// words, and that UtcNow has the shape that files hold. Does not prove that the clock is right.
 #include "base/format.h"
 
 #include <gmock/gmock.h>
@@ -18,6 +18,12 @@ TEST(Format, PrintsWhatPrintfPrints) {
 TEST(Format, CutsNothingOff) {
   const std::string text(5000, 'x');
   EXPECT_EQ(Format("<%s>", text.c_str()), "<" + text + ">");
+}
+
+TEST(Listed, HasCommasBetween) {
+  EXPECT_EQ(Listed({}), "");
+  EXPECT_EQ(Listed({"one"}), "one");
+  EXPECT_EQ(Listed({"one", "two", "three"}), "one, two, three");
 }
 
 TEST(Utc, IsADateAndATime) {

@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <optional>
 #include <utility>
 
 namespace turnlight {

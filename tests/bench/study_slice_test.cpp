@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "bench/studies/job_runner.h"
-#include "bench/studies/score.h"
 #include "bench/studies/studies.h"
 
 namespace turnlight::studies {

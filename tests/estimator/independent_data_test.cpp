@@ -13,6 +13,7 @@
 #include "estimator/renderer.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
+#include "small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -80,10 +81,6 @@ INSTANTIATE_TEST_SUITE_P(PovRay, RenderCheck,
                                          RenderCase{"pov_orbit_plane_1", 5e-5},
                                          RenderCase{"pov_matte_sphere_1", 5e-5},
                                          RenderCase{"pov_table_mesh_2", 5e-4}));
-
-double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
-}
 
 // Every product, direction, distance and the shininess against the truth.
 void ExpectTruth(const Estimate& estimate, const Scene& truth) {

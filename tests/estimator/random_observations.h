@@ -2,7 +2,6 @@
 // kernel and the solver.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "base/random.h"

@@ -1,7 +1,7 @@
 // Proves, with all nodes of a capture on threads of their own and real time: the session is that of
 // virtual time, byte for byte; a stop from another thread loses no frame, a stop now leaves the
 // motor standing. Under the thread sanitizer: without a data race. Nothing here depends on how long
-// something takes.
+// something takes. Does not prove: that every order of the threads was met.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

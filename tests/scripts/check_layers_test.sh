@@ -27,7 +27,7 @@ accepted() {
 
 "$check" "$root"
 accepted base/a.h '#include <vector>'
-accepted estimator/a.cpp $'#include "calib/pose.h"\n#include <ceres/ceres.h>'
+accepted estimator/a.cpp $'#include "calib/pose.h"\n#include <embree3/rtcore.h>'
 accepted rig/sim/a.cpp $'#include "estimator/scene.h"\n#include "rig/session/session.h"'
 accepted calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES tl_base mrcal::mrcal)'
 refused base/a.h '#include "calib/pose.h"' 'base/a.h:1: calib/pose.h: base may not use calib'
@@ -39,5 +39,5 @@ refused base/a.h '#include <opencv2/core.hpp>' 'base may not use OpenCV'
 refused base/a.h '#include <boost/any.hpp>' 'is of no library'
 refused calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES tl_base tl_rig)' \
   'calib may not use rig'
-refused calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES Ceres::ceres)' \
-  'calib may not use Ceres'
+refused calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES embree)' \
+  'calib may not use Embree'

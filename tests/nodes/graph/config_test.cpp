@@ -131,7 +131,7 @@ TEST(GraphConfig, RefusesWrongConnections) {
 }
 
 TEST(GraphConfig, LoadsFromAFileAndNamesAMissingOne) {
-  const Folder folder;
+  const TemporaryFolder folder;
   EXPECT_THAT(ErrorOf(LoadGraphConfig(folder / "none.yaml")), HasSubstr("none.yaml"));
 }
 

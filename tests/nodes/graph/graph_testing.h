@@ -4,15 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "nodes/graph/graph.h"
 #include "nodes/graph/log.h"
+#include "tests/temporary_folder.h"
 
 namespace turnlight::graph {
 
@@ -206,23 +205,6 @@ inline RunReport RunGraph(const std::string& yaml, const NodeRegistry& registry,
   EXPECT_TRUE(report) << ErrorOf(report);
   return report ? *report : RunReport{};
 }
-
-// A fresh folder, removed at the end of the test.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "graph_test_XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline const ConnectionReport& ConnectionTo(const RunReport& report, const std::string& to) {
   for (const ConnectionReport& connection : report.connections)

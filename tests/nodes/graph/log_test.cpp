@@ -64,7 +64,7 @@ void WriteBytes(const std::filesystem::path& path, const std::string& bytes) {
 }
 
 TEST(Log, GivesBackWhatWasWritten) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteSample(folder / "log");
   auto log = LogReader::Open(folder / "log");
   ASSERT_TRUE(log) << ErrorOf(log);
@@ -89,7 +89,7 @@ TEST(Log, GivesBackWhatWasWritten) {
 }
 
 TEST(Log, CutOffAtEveryByteGivesTheRecordsInFrontOfTheCut) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteSample(folder / "log");
   const std::string bytes = ReadFile(folder / "log").value();
   const Contents whole = ReadAll(folder / "log");
@@ -115,7 +115,7 @@ TEST(Log, CutOffAtEveryByteGivesTheRecordsInFrontOfTheCut) {
 }
 
 TEST(Log, EveryAlteredByteIsFound) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteSample(folder / "log");
   const std::string bytes = ReadFile(folder / "log").value();
   const Contents whole = ReadAll(folder / "log");
@@ -138,7 +138,7 @@ TEST(Log, EveryAlteredByteIsFound) {
 }
 
 TEST(Log, AZeroFilledTailIsTold) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteSample(folder / "log");
   const std::string bytes = ReadFile(folder / "log").value();
   const Contents whole = ReadAll(folder / "log");
@@ -150,7 +150,7 @@ TEST(Log, AZeroFilledTailIsTold) {
 }
 
 TEST(Log, RefusesWhatIsNoLogAndOtherFormats) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteBytes(folder / "text", "turnlight-log is not one, however long it goes on");
   EXPECT_THAT(ErrorOf(LogReader::Open(folder / "text")), HasSubstr("text: not a turnlight log"));
   EXPECT_THAT(ErrorOf(LogReader::Open(folder / "none")), HasSubstr("cannot open the log"));
@@ -162,11 +162,11 @@ TEST(Log, RefusesWhatIsNoLogAndOtherFormats) {
 }
 
 TEST(Log, DoesNotOverwrite) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteSample(folder / "log");
   EXPECT_THAT(ErrorOf(LogWriter::Create(folder / "log", Topics())),
               HasSubstr("cannot create the log: File exists"));
-  EXPECT_THAT(ErrorOf(LogWriter::Create(folder / "no" / "log", Topics())),
+  EXPECT_THAT(ErrorOf(LogWriter::Create(folder / "no/log", Topics())),
               HasSubstr("No such file or directory"));
 }
 
@@ -187,7 +187,7 @@ class FileSizeLimit {
 
 TEST(Log, AFullDiskStopsTheRunInOrderAndKeepsWhatWasWritten) {
   for (const std::string executor : {"virtual", "wall"}) {
-    const Folder folder;
+    const TemporaryFolder folder;
     Seen seen;
     NodeRegistry registry = BasicNodes();
     AddSink(registry, seen);
@@ -224,7 +224,7 @@ std::string Difference(const std::filesystem::path& a, const std::filesystem::pa
 }
 
 TEST(CompareLogs, NamesTheFirstMessageThatDiffers) {
-  const Folder folder;
+  const TemporaryFolder folder;
   WriteSample(folder / "a");
   WriteSample(folder / "b");
   EXPECT_EQ(Difference(folder / "a", folder / "b"), "");
@@ -242,7 +242,7 @@ TEST(CompareLogs, NamesTheFirstMessageThatDiffers) {
 }
 
 TEST(CompareLogs, NamesMissingMessagesOtherTimesOrderAndHeaders) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const auto write = [&folder](const std::string& name, std::vector<AnyMessage> numbers,
                                bool word_first = false, std::uint64_t seed = 7) {
     LogHeader header = Topics();

@@ -114,7 +114,7 @@ Result<RunReport> ReplayFrom(const std::string& yaml, const std::filesystem::pat
 }
 
 TEST(Replay, GivesTheSameLogByteForByteWithoutRunningTheSources) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const RunReport recorded = RunGraph(RigLike(kAll), Nodes(), {.log = folder / "run"});
   EXPECT_GT(ConnectionTo(recorded, "slow.in").blocked, 0u);
   EXPECT_GT(ConnectionTo(recorded, "background.in").dropped, 0u);
@@ -133,7 +133,7 @@ TEST(Replay, GivesTheSameLogByteForByteWithoutRunningTheSources) {
 
 TEST(Replay, ARunStoppedInTheMiddleIsReplayedToTheSameEnd) {
   for (const StopMode mode : {StopMode::kDrain, StopMode::kNow}) {
-    const Folder folder;
+    const TemporaryFolder folder;
     auto graph = BuildFrom(RigLike(kAll), Nodes());
     ASSERT_TRUE(graph) << ErrorOf(graph);
     ASSERT_TRUE(graph->Tap<Number>("count.number", [&](const Message<Number>& number) {
@@ -150,7 +150,7 @@ TEST(Replay, ARunStoppedInTheMiddleIsReplayedToTheSameEnd) {
 
 // The test of the test: a node that does not compute the same is found and named.
 TEST(Replay, ADifferentResultIsNamed) {
-  const Folder folder;
+  const TemporaryFolder folder;
   RunGraph(RigLike(kAll), Nodes(), {.log = folder / "run"});
   NodeRegistry other = Nodes();
   AddCustom(other, "doubler", {.input = [](Custom& node, const Message<Number>& number) {
@@ -168,7 +168,7 @@ TEST(Replay, ADifferentResultIsNamed) {
 }
 
 TEST(Replay, ALogThatWasCutOffIsReplayedUpToTheCut) {
-  const Folder folder;
+  const TemporaryFolder folder;
   RunGraph(RigLike(kAll), Nodes(), {.log = folder / "run"});
   std::filesystem::resize_file(folder / "run", std::filesystem::file_size(folder / "run") / 2);
   const auto replayed = ReplayFrom(RigLike(kAll), folder / "run", {.log = folder / "replay"});
@@ -178,7 +178,7 @@ TEST(Replay, ALogThatWasCutOffIsReplayedUpToTheCut) {
 }
 
 TEST(Replay, AWallLogIsReplayedInVirtualTime) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string yaml = R"(
 graph:
   executor: wall
@@ -200,7 +200,7 @@ graph:
 }
 
 TEST(Replay, RefusesALogThatDoesNotFit) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string partly = "count.number, blocked.number, twice.out";
   RunGraph(RigLike(partly), Nodes(), {.log = folder / "run"});
   EXPECT_THAT(ErrorOf(ReplayFrom(RigLike(partly), folder / "run")),
@@ -213,7 +213,7 @@ TEST(Replay, RefusesALogThatDoesNotFit) {
 }
 
 TEST(Replay, RefusesMessagesOfAnotherVersion) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string yaml = R"(
 graph:
   executor: virtual

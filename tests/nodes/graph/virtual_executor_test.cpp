@@ -105,7 +105,7 @@ graph:
 }
 
 TEST(VirtualExecutor, TheSameConfigGivesTheSameLogByteForByte) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string first = LogOfBusyGraph(folder / "1.log");
   EXPECT_GT(first.size(), 10000u);
   EXPECT_EQ(first, LogOfBusyGraph(folder / "2.log"));

@@ -48,7 +48,7 @@ std::string Chain(const std::string& executor) {
 }
 
 TEST(WallExecutor, DeliversTheSameContentAsTheVirtualExecutor) {
-  const Folder folder;
+  const TemporaryFolder folder;
   for (const std::string executor : {"virtual", "wall"}) {
     Seen seen;
     NodeRegistry registry = BasicNodes();

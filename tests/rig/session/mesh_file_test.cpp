@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
