@@ -14,6 +14,7 @@ constexpr double kManySpikes = 5e-4;  // of the target's pixels
 constexpr double kManyAtFloor = 2e-3;
 constexpr float kSigmas = 6.0f, kSteps = 3.0f;
 constexpr double kFloorSigmas = 2.0;  // from here on the mean is less than 0.01 sigma off
+constexpr float kWellAbove = 4.0f;    // sigmas
 constexpr int kReach = 2;             // 5 x 5
 constexpr int kPasses = 2;
 
@@ -56,14 +57,14 @@ void MarkImplausible(Channel& channel) {
     }
 }
 
-// Sigma of the noise from second differences along rows. Their 20 % quantile: of a picture with
-// many outliers most differences hold one.
-float Noise(const Channel& channel) {
+// Sigma of the noise from second differences along rows, of pixels that `of` names (all if it is
+// empty). Their 20 % quantile: of a picture with many outliers most differences hold one.
+float Noise(const Channel& channel, const cv::Mat1b& of = {}) {
   std::vector<float> differences;
   for (int row = 0; row < channel.value.rows; ++row)
     for (int column = 1; column + 1 < channel.value.cols; ++column)
       if (channel.Good(row, column - 1) && channel.Good(row, column) &&
-          channel.Good(row, column + 1))
+          channel.Good(row, column + 1) && (of.empty() || of(row, column) != 0))
         differences.push_back(std::abs(channel.value(row, column - 1) -
                                        2.0f * channel.value(row, column) +
                                        channel.value(row, column + 1)));
@@ -168,11 +169,25 @@ void MarkFloored(Channel& channel, float noise) {
   const cv::Size window(2 * kReach + 1, 2 * kReach + 1);
   cv::boxFilter(value, value, -1, window);
   cv::boxFilter(weight, weight, -1, window);
+  // What is cut off looks less noisy than it is: the noise is that of what is well above.
+  cv::Mat1b above(value.size(), std::uint8_t{1});
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (int row = 0; row < value.rows; ++row)
+      for (int column = 0; column < value.cols; ++column)
+        above(row, column) =
+            value(row, column) > (floor + kWellAbove * noise) * weight(row, column) ? 1 : 0;
+    noise = std::max(noise, Noise(channel, above));
+  }
   const float limit = floor + static_cast<float>(kFloorSigmas) * noise;
+  cv::Mat1b below(value.size(), std::uint8_t{0});
   for (int row = 0; row < value.rows; ++row)
     for (int column = 0; column < value.cols; ++column)
-      if (channel.Good(row, column) && value(row, column) < limit * weight(row, column))
-        channel.broken(row, column) |= kFloored;
+      below(row, column) =
+          channel.Good(row, column) && value(row, column) < limit * weight(row, column) ? kFloored
+                                                                                        : 0;
+  // And all around: what is not below there got over the limit by its noise.
+  cv::dilate(below, below, cv::Mat1b(window, std::uint8_t{1}));
+  channel.broken |= below;
 }
 
 }  // namespace

@@ -34,19 +34,19 @@ struct Gain {
 };
 
 // The directions in batches of as many as a scene holds.
-std::vector<Gain> Gains(const Observations& pixels, const Scene& fitted, const Shadows& shadows) {
+std::vector<Gain> Gains(const Observations& pixels, const Candidate& candidate) {
   const std::vector<Eigen::Vector3d> directions = SphereDirections(kDirections);
-  const std::size_t known = fitted.lights.size();
+  const std::size_t known = candidate.scene.lights.size();
   const std::size_t batch = kMaxLights - known;
   std::vector<Gain> gains;
   for (std::size_t begin = 0; begin < directions.size(); begin += batch) {
-    Scene scene = fitted;
+    Scene scene = candidate.scene;
     const std::size_t end = std::min(directions.size(), begin + batch);
     for (std::size_t d = begin; d < end; ++d)
       scene.lights.push_back({directions[d], kNewDistance, 0.0, Eigen::Vector3d::Ones()});
     EvaluateOptions options;
     options.samples_per_side = FootprintSamples(pixels, scene.reflectance.shininess);
-    options.shadows = CastShadows(pixels, scene, shadows, 5e-3);
+    options.shadows = CastShadows(pixels, scene, candidate.shadows, 5e-3);
     const NormalEquations equations = Evaluate(pixels, scene, options);
     const Columns columns{pixels.channels, static_cast<int>(scene.lights.size())};
     for (std::size_t l = known; l < scene.lights.size(); ++l) {
@@ -85,9 +85,33 @@ std::vector<Light> Peaks(const std::vector<Gain>& gains, std::size_t room) {
 }  // namespace
 
 std::optional<Light> MostMissingLight(const Observations& pixels, const Scene& scene) {
-  const std::vector<Gain> gains = Gains(pixels, scene, {});
-  if (gains.empty()) return std::nullopt;
-  return gains.front().light;
+  EvaluateOptions options;
+  options.samples_per_side = FootprintSamples(pixels, scene.reflectance.shininess);
+  options.shadows = CastShadows(pixels, scene);
+  const auto model = Predict(pixels, scene, options);
+  Scene alone = scene;
+  alone.reflectance.ambient = 0.0;
+  std::optional<Light> best;
+  double most = 0.0;
+  for (const Eigen::Vector3d& direction : SphereDirections(kDirections)) {
+    alone.lights = {{direction, kNewDistance, 1.0, Eigen::Vector3d::Ones()}};
+    options.shadows = CastShadows(pixels, alone, options.shadows);
+    const auto change = Predict(pixels, alone, options);
+    double slope = 0.0, curvature = 0.0;
+    for (std::size_t c = 0; c < model.size(); ++c)
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        if (pixels.pixel[i] == Observations::kNoPixel) continue;
+        const auto by = static_cast<double>(change[c][i]);
+        slope +=
+            by * (static_cast<double>(model[c][i]) - static_cast<double>(pixels.radiance[c][i]));
+        curvature += by * by;
+      }
+    if (!(slope < 0.0) || !(slope * slope > most * curvature)) continue;
+    most = slope * slope / curvature;
+    best = alone.lights.front();
+    best->intensity = -slope / curvature;
+  }
+  return best;
 }
 
 Candidate AddMissingLights(const Sample& sample, Candidate candidate) {
@@ -99,8 +123,7 @@ Candidate AddMissingLights(const Sample& sample, Candidate candidate) {
         wanted ? lights >= static_cast<std::size_t>(*wanted) : NothingLeft(grown.excess, sample);
     if (enough || lights >= kMostLights) break;
     Scene start = grown.scene;
-    const std::vector<Light> peaks =
-        Peaks(Gains(sample.pixels, grown.scene, grown.shadows), kMostLights - lights);
+    const std::vector<Light> peaks = Peaks(Gains(sample.pixels, grown), kMostLights - lights);
     if (peaks.empty()) break;
     start.lights.insert(start.lights.end(), peaks.begin(), peaks.end());
     Candidate more = FitAndMerge(sample, start);

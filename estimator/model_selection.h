@@ -2,7 +2,6 @@
 // Every decision is a rung of the ladder, with its numbers.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "estimator/model_choice.h"

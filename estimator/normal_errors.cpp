@@ -127,11 +127,16 @@ TiltResponse TiltNormals(const Observations& pixels, const Scene& scene,
 }
 
 std::optional<Scene> FitTilts(const Observations& pixels, const Solution& solution,
-                              const EvaluateOptions& options) {
+                              const EvaluateOptions& options, const NormalEquations& untilted,
+                              const TiltResponse& response) {
   const Columns columns{pixels.channels, static_cast<int>(solution.scene.lights.size())};
   std::vector<int> free;
   for (int column = 0; column < columns.count(); ++column)
     if (!solution.held[static_cast<std::size_t>(column)]) free.push_back(column);
+  // A robust loss hides what a large tilt leaves.
+  const bool asked =
+      options.huber > 0.0 || BestTurn(untilted, free, response).gain > kWorthARound * untilted.cost;
+  if (!asked) return std::nullopt;
   SolveOptions solve;
   solve.max_iterations = kSolveIterations;
   solve.evaluate = options;
@@ -146,8 +151,6 @@ std::optional<Scene> FitTilts(const Observations& pixels, const Solution& soluti
   for (int round = 0; round < kTiltRounds; ++round) {
     const Turn turn = BestTurn(fit.equations, free,
                                TiltNormals(turned, fit.scene, solve.evaluate, fit.equations));
-    fprintf(stderr, "DBG gain %g of %g by %g %g %g\n", turn.gain, fit.equations.cost, turn.by[0],
-            turn.by[1], turn.by[2]);
     const double angle = turn.by.norm();
     if (!(turn.gain > kWorthARound * before) || !(angle > 0.0)) break;
     const Observations next = Tilted(turned, turn.by * std::min(1.0, kMostTurn / angle));

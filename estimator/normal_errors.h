@@ -32,9 +32,10 @@ TiltResponse TiltNormals(const Observations& pixels, const Scene& scene,
 
 // The scene that fits the pixels with the tilt that they ask for, found in turns by Gauss-Newton
 // steps. None if the cost (squares) does not fall by a fifth. solution: of all pixels; options: of
-// these.
+// these. untilted, response: of these at the solution's scene, by which most cases end at once.
 std::optional<Scene> FitTilts(const Observations& pixels, const Solution& solution,
-                              const EvaluateOptions& options);
+                              const EvaluateOptions& options, const NormalEquations& untilted,
+                              const TiltResponse& response);
 
 // The variance (radians^2, along an axis across) of normals that are wrong each by itself: the
 // squared residuals are larger where tilts change the picture more, beside what noise may do, which

@@ -63,13 +63,16 @@ NormalEquations WithAlternatives(const Observations& all, const Solution& soluti
 
 // From pixels this far apart in a row: what a sensor's interpolation spreads is nearer, and most
 // patterns reach further.
-double Texture(const Observations& all, const std::vector<std::vector<float>>& model) {
+double Texture(const Observations& all, const std::vector<std::vector<float>>& model,
+               const Plane& usable) {
   constexpr std::size_t kApart = 3;
   constexpr double kSigmas = 4.0;
+  constexpr double kLeast = 1e-3;  // less is in any picture: quantisation
   double common = 0.0, squares = 0.0, radiance = 0.0;
   for (std::size_t i = 0; i + kApart < all.size(); ++i) {
     const std::size_t j = i + kApart;
     if (all.pixel[i] == Observations::kNoPixel || all.pixel[j] != all.pixel[i] + kApart) continue;
+    if (usable && ((*usable)[i] == 0 || (*usable)[j] == 0)) continue;
     for (std::size_t c = 0; c < model.size(); ++c) {
       const auto residual = [&](std::size_t k) {
         return static_cast<double>(all.radiance[c][k]) - static_cast<double>(model[c][k]);
@@ -81,7 +84,8 @@ double Texture(const Observations& all, const std::vector<std::vector<float>>& m
     }
   }
   if (!(radiance > 0.0) || !(common > kSigmas * std::sqrt(squares))) return 0.0;
-  return std::sqrt(common / radiance);
+  const double texture = std::sqrt(common / radiance);
+  return texture >= kLeast ? texture : 0.0;
 }
 
 }  // namespace
@@ -123,7 +127,7 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
   for (std::uint8_t& s : finer.samples_per_side)
     s = static_cast<std::uint8_t>(2 * s <= kernel::kMaxSamples ? 2 * s : s / 2);
   out.finer = Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
-  out.texture = Texture(all, model);
+  out.texture = Texture(all, model, solution.evaluate.shadows.usable);
   out.edges = EdgesAlone(all, solution);
   out.alternatives = WithAlternatives(all, solution);
   out.unmodelled = TryUnmodelled(all, solution);

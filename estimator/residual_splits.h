@@ -29,7 +29,7 @@ struct ResidualSplits {
   // At the solution, for a surface just rough enough to have a slope (if it is Lambert's).
   NormalEquations alternatives;
   // Texture or dirt: how much of the radiance (relative, root mean square) the residuals are that
-  // pixels a few apart have in common. 0 if that is not beyond noise.
+  // pixels a few apart have in common. 0 if that is not beyond noise, or less than 0.1 %.
   double texture = 0.0;
   Unmodelled unmodelled;
 };

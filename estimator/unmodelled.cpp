@@ -12,9 +12,10 @@
 namespace turnlight::estimator {
 namespace {
 
-constexpr std::size_t kPixels = 50000;
-constexpr std::size_t kSearchPixels = 10000;
+constexpr std::size_t kPixels = 20000;
+constexpr std::size_t kSearchPixels = 5000;
 constexpr double kApertureStep = 0.05;
+constexpr double kNearEdge = 2.0;     // half footprints
 constexpr double kExtentStep = 0.15;  // of the lobe's half-width
 constexpr double kWidestStep = 0.05;  // radians
 
@@ -139,7 +140,10 @@ void AddTimes(double factor, const Prediction& what, Prediction& to) {
 }
 
 Eigen::VectorXd AveragedFalloff(const Observations& pixels, const Scene& scene,
-                                const EvaluateOptions& options, const Eigen::VectorXd& gradient) {
+                                EvaluateOptions options) {
+  // An edge of a shadow is another matter.
+  options.shadows.usable = AwayFromTerminators(pixels, scene.lights, kNearEdge);
+  const Eigen::VectorXd gradient = Evaluate(pixels, scene, options).gradient;
   Scene diffuse = scene;
   diffuse.reflectance.specular_model = SpecularModel::kNone;
   diffuse.reflectance.specular = 0.0;
@@ -171,8 +175,8 @@ Unmodelled TryUnmodelled(const Observations& observations, const Solution& solut
   const TiltResponse tilts = TiltNormals(sample, scene, options, out.as_modelled);
   out.tilts = tilts.effects;
   out.normal_variance = NormalVariance(sample, Predict(sample, scene, options), tilts.by_any);
-  out.straightened = FitTilts(sample, solution, options);
-  out.falloff = AveragedFalloff(sample, scene, options, out.as_modelled.gradient);
+  out.straightened = FitTilts(sample, solution, options, out.as_modelled, tilts);
+  out.falloff = AveragedFalloff(sample, scene, options);
   out.aperture = CentralEffect(
       [&](double by) {
         EvaluateOptions changed = options;

@@ -164,7 +164,7 @@ TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
   const Eigen::VectorXd scale = solution.equations.hessian.diagonal().cwiseSqrt();
   for (Eigen::Index k = 0; k < scale.size(); ++k) {
     EXPECT_LT(std::abs(splits.finer[k]), 1e-4 * scale[k] + 1e-12) << k;
-    EXPECT_LT(std::abs(splits.footprint[k]), 1e-4 * scale[k] + 1e-12) << k;
+    EXPECT_LT(std::abs(splits.unmodelled.aperture.mixed[k]), 1e-4 * scale[k] + 1e-12) << k;
   }
   EXPECT_EQ(splits.edges.cost, 0.0);
   EXPECT_EQ(splits.edges.gradient.norm(), 0.0);
