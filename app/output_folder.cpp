@@ -25,4 +25,16 @@ Status CheckOutputFolder(const fs::path& out, const fs::path& session) {
   return {};
 }
 
+Status CheckNewFolder(const fs::path& out) {
+  std::error_code code;
+  if (!fs::exists(out, code)) return {};
+  if (!fs::is_directory(out, code))
+    return InputError("--out: " + out.string() + " is a file, allowed is a new or empty folder");
+  if (!fs::is_empty(out, code))
+    return InputError("--out: " + out.string() +
+                      " is not empty, allowed is a new or empty folder: sessions are never "
+                      "written over");
+  return {};
+}
+
 }  // namespace turnlight::app

@@ -11,4 +11,8 @@ namespace turnlight::app {
 // within it, as raw data never changes. Creates nothing.
 Status CheckOutputFolder(const std::filesystem::path& out, const std::filesystem::path& session);
 
+// Refuses (kInput) as a session's folder whatever is not new or empty: sessions are never written
+// over. Creates nothing.
+Status CheckNewFolder(const std::filesystem::path& out);
+
 }  // namespace turnlight::app
