@@ -6,6 +6,7 @@
 #include "app/interrupt.h"
 #include "app/output_folder.h"
 #include "app/progress.h"
+#include "app/run_config.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/synthetic_session.h"
 
@@ -18,6 +19,12 @@ struct SynthesizeOptions {
 };
 
 int Synthesize(const SynthesizeOptions& options) {
+  const auto is_run = IsRunConfig(options.config);
+  if (!is_run) return Fail(is_run.error());
+  if (*is_run)
+    return Fail({ErrorKind::kInput,
+                 options.config + ": a config for turnlight run, allowed is one for turnlight "
+                                  "synthesize, with a scene and neither rig nor graph"});
   const auto config = rig::ReadSyntheticConfig(options.config);
   if (!config) return Fail(config.error());
   if (const Status status = CheckNewFolder(options.out); !status) return Fail(status.error());

@@ -52,6 +52,8 @@ TEST(CommandLine, WrongUsageIsRefusedWithTheNearestWord) {
            Misuse{{"estimate", "s", "--ouy=o"}, "unknown option --ouy, did you mean --out?"},
            Misuse{{"render", "s", "--param", "p", "--out", "o"}, "did you mean --params?"},
            Misuse{{"verify", "s", "--xyzzyplugh"}, "unknown option --xyzzyplugh\n"},
+           Misuse{{"run", "c", "--port", "/dev/ttyUSB0", "--out", "o"}, "unknown option --port\n"},
+           Misuse{{"help", "run"}, "unknown command help\n"},
            Misuse{{"estimate"}, "SESSION is required"},
            Misuse{{"estimate", "s"}, "--out is required"},
            Misuse{{"estimate", "s", "--out", "o", "--views", "0"}, "--views"},
