@@ -104,11 +104,11 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   auto config = ReadRunConfig(config_file);
   if (!config) return Forward(config);
   run.config = std::move(*config);
-  if (goal == CaptureGoal::kSession) RemoveNodes(run.config.graph, "estimator");
   auto rig = MakeRig(run.config);
   if (!rig) return Forward(rig);
   run.rig = std::move(*rig);
   if (const auto graph = BuildGraph(run.config, run.rig, {}); !graph) return Forward(graph);
+  if (goal == CaptureGoal::kSession) RemoveNodes(run.config.graph, "estimator");
   const auto identity = OpenRig(run.rig);
   if (!identity) return Forward(identity);
 
@@ -215,10 +215,8 @@ int Capture(const fs::path& config, const RunFolder& folder, Start start, Captur
 }
 
 // A replay is of the same config; which part is not, the hashes tell.
-Status CheckSameConfig(const fs::path& log, const RunConfig& config) {
-  const auto reader = graph::LogReader::Open(log);
-  if (!reader) return Forward(reader);
-  std::istringstream was(reader->header().config_hash), is(config.graph.hash);
+Status CheckSameConfig(const fs::path& log, const std::string& recorded, const RunConfig& config) {
+  std::istringstream was(recorded), is(config.graph.hash);
   std::string was_name, was_hash, is_name, is_hash;
   while (is >> is_name >> is_hash)
     if (!(was >> was_name >> was_hash) || was_name != is_name || was_hash != is_hash)
@@ -246,12 +244,18 @@ int ResumeCapture(const RunFolder& folder) {
 }
 
 int ReplayCapture(const fs::path& log, const RunFolder& folder) {
+  if (std::error_code ignored; fs::is_directory(log, ignored))
+    return Fail({ErrorKind::kInput, log.string() + ": a folder, allowed is the log of a run, " +
+                                        (log / "log").string() + " for example"});
+  const auto reader = graph::LogReader::Open(log);
+  if (!reader) return Fail(reader.error());
   const RunFolder source = SourceOf(log);
   const auto config = ReadRunConfig(source.config());
   if (!config) return Fail(config.error());
   const auto goal = source.ReadGoal();
   if (!goal) return Fail(goal.error());
-  if (const Status status = CheckSameConfig(log, *config); !status) return Fail(status.error());
+  if (const Status status = CheckSameConfig(log, reader->header().config_hash, *config); !status)
+    return Fail(status.error());
   auto run = Prepare(source.config(), folder, Start::kNew, *goal);
   if (!run) return Fail(run.error());
   const int code = RunGraph(*run, folder, log);

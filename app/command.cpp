@@ -17,4 +17,13 @@ CLI::App* AddCommand(CLI::App& program, const std::string& name, const std::stri
   return command;
 }
 
+void AddOut(CLI::App& command, std::string& out, const std::string& description) {
+  command.add_option("--out", out, description)
+      ->required()
+      ->type_name("DIR")
+      ->check([](const std::string& folder) {
+        return folder.empty() ? std::string("\"\" is no folder's name") : std::string();
+      });
+}
+
 }  // namespace turnlight::app

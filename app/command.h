@@ -27,4 +27,7 @@ void AddConfig(CLI::App& program, Action& action);
 CLI::App* AddCommand(CLI::App& program, const std::string& name, const std::string& description,
                      const std::string& example);
 
+// --out DIR, required. An empty word, of a shell's variable that is not set, is no folder.
+void AddOut(CLI::App& command, std::string& out, const std::string& description);
+
 }  // namespace turnlight::app

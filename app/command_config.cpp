@@ -4,23 +4,10 @@
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/run_config.h"
-#include "base/file.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::app {
 namespace {
-
-// A config of a run has a graph, or at least what a graph with a slip in its name goes with; one of
-// a generated session has none of these.
-Result<bool> IsRunConfig(const std::string& file) {
-  const auto text = ReadFile(file);
-  if (!text) return Forward(text);
-  const auto document = ParseYaml(*text, file);
-  if (!document) return Forward(document);
-  const auto& root = document->root;
-  return root.is_object() &&
-         (root.contains("graph") || root.contains("rig") || root.contains("capture"));
-}
 
 Status CheckRun(const std::string& file) {
   const auto config = ReadRunConfig(file);
@@ -48,7 +35,8 @@ int Show(const std::string& file) {
   if (!is_run) return Fail(is_run.error());
   if (*is_run)
     return Fail({ErrorKind::kInput,
-                 file + ": a config for turnlight run, allowed is one for turnlight synthesize"});
+                 file + ": a config for turnlight run, allowed is one for turnlight synthesize; "
+                        "turnlight plan and turnlight graph show this one"});
   const auto config = rig::ReadSyntheticConfig(file);
   if (!config) return Fail(config.error());
   std::cout << rig::ToYaml(*config) << std::flush;

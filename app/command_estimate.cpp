@@ -41,9 +41,7 @@ void AddEstimate(CLI::App& program, Action& action) {
                  "turnlight estimate my_session --out result");
   auto arguments = std::make_shared<EstimateArguments>();
   command->add_option("SESSION", arguments->session, "The session's folder")->required();
-  command->add_option("--out", arguments->out, "Folder for result.json and pictures")
-      ->required()
-      ->type_name("DIR");
+  AddOut(*command, arguments->out, "Folder for result.json and pictures");
   command
       ->add_option("--method", arguments->options.method,
                    "lm (default): least squares over all parameters together; paper: the published "

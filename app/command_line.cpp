@@ -1,6 +1,7 @@
 #include "app/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -53,21 +54,34 @@ std::vector<std::string> CommandNames(const CLI::App& command) {
   return names;
 }
 
-// CLI11 reports the first thing that it noticed, which may be a consequence of a misspelt word: the
-// unknown word is what the user wants to hear of.
-std::string UnknownWord(const CLI::App& program) {
-  const CLI::App& command = Innermost(program);
+// The known word nearest to the unknown one; the dashes of options are no letters.
+std::string NearestWord(const std::string& name, const std::vector<std::string>& known) {
+  const std::size_t begin = std::min(name.find_first_not_of('-'), name.size());
+  std::vector<std::string> bare;
+  for (const std::string& word : known) bare.push_back(word.substr(word.find_first_not_of('-')));
+  const std::string nearest = Nearest(name.substr(begin), bare);
+  return nearest.empty() ? nearest : (begin > 0 ? "--" : "") + nearest;
+}
+
+std::string UnknownWordOf(const CLI::App& command) {
   for (const std::string& word : command.remaining()) {
     const bool is_option = word.size() > 1 && word[0] == '-';
     const bool wants_command = !is_option && !CommandNames(command).empty();
     if (!is_option && !wants_command) continue;
     const std::string name = word.substr(0, word.find('='));
     const std::string nearest =
-        Nearest(name, is_option ? OptionNames(command) : CommandNames(command));
+        NearestWord(name, is_option ? OptionNames(command) : CommandNames(command));
     return (is_option ? "unknown option " : "unknown command ") + name +
            (nearest.empty() ? "" : ", did you mean " + nearest + "?");
   }
   return "";
+}
+
+// CLI11 reports the first thing that it noticed, which may be a consequence of a misspelt word: the
+// unknown word is what the user wants to hear of.
+std::string UnknownWord(const CLI::App& program) {
+  const std::string unknown = UnknownWordOf(Innermost(program));
+  return unknown.empty() ? UnknownWordOf(program) : unknown;
 }
 
 std::string FullName(const CLI::App& command) {

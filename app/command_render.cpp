@@ -139,6 +139,7 @@ int Render(const RenderArguments& arguments) {
     return Fail(status.error());
   const fs::path out = arguments.out;
   Status status = CheckOutputFolder(out, arguments.session);
+  if (status) status = CheckNewFolder(out);
   if (status) status = MakeDirectory(out / "frames");
   if (!status) return Fail(status.error());
 
@@ -149,7 +150,7 @@ int Render(const RenderArguments& arguments) {
   {
     Progress progress("rendering", session->frames.size());
     for (const rig::FrameRecord& frame : session->frames) {
-      if (Interrupted()) return kInterrupted;
+      if (Interrupted()) break;
       const auto rendering =
           estimator::Render(*scene, geometry, rays, frame.X_WC, frame.X_WT, options);
       char name[32];
@@ -163,6 +164,11 @@ int Render(const RenderArguments& arguments) {
     }
   }
   const std::size_t count = frames.size();
+  if (count < session->frames.size()) {
+    std::cerr << "turnlight: interrupted; " << arguments.out << " is no complete session"
+              << std::endl;
+    return kInterrupted;
+  }
   status = WriteDescription(*session, format, std::move(frames), out);
   if (!status) return Fail(status.error());
   std::cout << arguments.out << ": " << count << (count == 1 ? " frame" : " frames") << " rendered"
@@ -185,9 +191,7 @@ void AddRender(CLI::App& program, Action& action) {
   command->add_option("--params", arguments->params, "truth.json or result.json")
       ->required()
       ->type_name("FILE");
-  command->add_option("--out", arguments->out, "Folder for frames/ and session.json")
-      ->required()
-      ->type_name("DIR");
+  AddOut(*command, arguments->out, "Folder for frames/ and session.json; new or empty");
   command
       ->add_option("--set", arguments->settings,
                    "Change a parameter; may be repeated. Keys: model, albedo, ambient, diffuse, "

@@ -19,9 +19,7 @@ void AddCapturing(CLI::App& program, Action& action, const std::string& name,
   auto arguments = std::make_shared<RunArguments>();
   command->add_option("CONFIG", arguments->config, "A YAML file with capture, rig and graph")
       ->required();
-  command->add_option("--out", arguments->out, "Folder for session, log and result")
-      ->required()
-      ->type_name("DIR");
+  AddOut(*command, arguments->out, "Folder for session, log and result; a new one");
   command->callback([arguments, goal, &action] {
     action = [arguments, goal] {
       return RunCapture(arguments->config, RunFolder(arguments->out), goal);
@@ -64,9 +62,7 @@ void AddReplay(CLI::App& program, Action& action) {
       "turnlight replay my_run/log --out again");
   auto arguments = std::make_shared<RunArguments>();
   command->add_option("LOG", arguments->config, "The log of a run")->required();
-  command->add_option("--out", arguments->out, "Folder for session, log and result")
-      ->required()
-      ->type_name("DIR");
+  AddOut(*command, arguments->out, "Folder for session, log and result; a new one");
   command->callback([arguments, &action] {
     action = [arguments] { return ReplayCapture(arguments->config, RunFolder(arguments->out)); };
   });

@@ -1,11 +1,12 @@
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/output_folder.h"
 #include "app/progress.h"
+#include "app/run_config.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/synthetic_session.h"
 
@@ -17,22 +18,16 @@ struct SynthesizeOptions {
   std::string out;
 };
 
-Status RequireEmpty(const std::filesystem::path& out) {
-  std::error_code code;
-  if (!std::filesystem::exists(out, code)) return {};
-  if (!std::filesystem::is_directory(out, code))
-    return InputError("--out: " + out.string() + " is a file, allowed is a new or empty folder");
-  if (!std::filesystem::is_empty(out, code))
-    return InputError("--out: " + out.string() +
-                      " is not empty, allowed is a new or empty folder: sessions are never "
-                      "written over");
-  return {};
-}
-
 int Synthesize(const SynthesizeOptions& options) {
+  const auto is_run = IsRunConfig(options.config);
+  if (!is_run) return Fail(is_run.error());
+  if (*is_run)
+    return Fail({ErrorKind::kInput,
+                 options.config + ": a config for turnlight run, allowed is one for turnlight "
+                                  "synthesize, with a scene and neither rig nor graph"});
   const auto config = rig::ReadSyntheticConfig(options.config);
   if (!config) return Fail(config.error());
-  if (const Status status = RequireEmpty(options.out); !status) return Fail(status.error());
+  if (const Status status = CheckNewFolder(options.out); !status) return Fail(status.error());
   Result<rig::SyntheticReport> report;
   {
     Progress progress("rendering", static_cast<std::size_t>(config->motion.frames));
@@ -62,9 +57,7 @@ void AddSynthesize(CLI::App& program, Action& action) {
                  "turnlight synthesize configs/synthetic_sphere.yaml --out sphere");
   auto options = std::make_shared<SynthesizeOptions>();
   command->add_option("CONFIG", options->config, "A YAML file, see configs/")->required();
-  command->add_option("--out", options->out, "The session's folder; new or empty")
-      ->required()
-      ->type_name("DIR");
+  AddOut(*command, options->out, "The session's folder; new or empty");
   command->callback([options, &action] { action = [options] { return Synthesize(*options); }; });
 }
 

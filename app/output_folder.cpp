@@ -1,6 +1,9 @@
 #include "app/output_folder.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <system_error>
 
 namespace turnlight::app {
@@ -20,8 +23,26 @@ Status CheckOutputFolder(const fs::path& out, const fs::path& session) {
                         "allowed is a folder outside " + session.string() +
                         ": a session's data never changes");
   }
-  if (fs::exists(real_out, code) && !fs::is_directory(real_out, code))
-    return InputError("--out: " + out.string() + " is a file, allowed is a folder");
+  fs::path there = real_out;
+  while (!fs::exists(there, code) && there != there.parent_path()) there = there.parent_path();
+  if (!fs::is_directory(there, code))
+    return InputError("--out: " + (there == real_out ? out : there).string() +
+                      " is a file, allowed is a folder");
+  if (::access(there.c_str(), W_OK | X_OK) != 0)
+    return InputError("--out: " + out.string() + ": cannot write in " + there.string() + ": " +
+                      std::generic_category().message(errno));
+  return {};
+}
+
+Status CheckNewFolder(const fs::path& out) {
+  std::error_code code;
+  if (!fs::exists(out, code)) return {};
+  if (!fs::is_directory(out, code))
+    return InputError("--out: " + out.string() + " is a file, allowed is a new or empty folder");
+  if (!fs::is_empty(out, code))
+    return InputError("--out: " + out.string() +
+                      " is not empty, allowed is a new or empty folder: sessions are never "
+                      "written over");
   return {};
 }
 

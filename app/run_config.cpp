@@ -37,6 +37,24 @@ Status ReadRig(StrictObject rig, RunConfig& config) {
   return {};
 }
 
+bool HasRunKeys(const Document& document) {
+  const nlohmann::json& root = document.root;
+  return root.contains("capture") || root.contains("rig") || root.contains("graph");
+}
+
+// Exactly one node takes the frames, and one keeps them.
+Status RequireNodes(const graph::GraphConfig& graph) {
+  for (const std::string type : {"keyframes", "recorder"}) {
+    const auto count = std::count_if(graph.nodes.begin(), graph.nodes.end(),
+                                     [&](const auto& node) { return node.type == type; });
+    if (count != 1)
+      return InputError(StrictObject(*graph.document).Object("graph").Where("nodes") + ": " +
+                        std::to_string(count) + " nodes of type " + type +
+                        ", allowed is exactly 1");
+  }
+  return {};
+}
+
 // A log is good for the same capture, rig and graph; three hashes, so that a refusal can name which
 // of them differs.
 std::string HashOf(const Document& document, const std::string& graph_hash) {
@@ -79,6 +97,10 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   auto parsed = ParseYaml(text, file);
   if (!parsed) return Forward(parsed);
   const auto document = std::make_shared<const Document>(std::move(*parsed));
+  if (document->root.is_object() && document->root.contains("target") && !HasRunKeys(*document))
+    return InputError(file +
+                      ": a config for turnlight synthesize, allowed is one for turnlight run, " +
+                      "with rig and graph");
   RunConfig config;
   config.file = file;
   config.text = text;
@@ -104,6 +126,14 @@ Result<RunConfig> ReadRunConfig(const std::filesystem::path& path) {
   const auto text = ReadFile(path, std::uint64_t{16} << 20);
   if (!text) return Forward(text);
   return ParseRunConfig(*text, path.string());
+}
+
+Result<bool> IsRunConfig(const std::filesystem::path& path) {
+  const auto text = ReadFile(path, std::uint64_t{16} << 20);
+  if (!text) return Forward(text);
+  const auto document = ParseYaml(*text, path.string());
+  if (!document) return Forward(document);
+  return document->root.is_object() && HasRunKeys(*document);
 }
 
 Result<Rig> MakeRig(const RunConfig& config) {
@@ -143,6 +173,7 @@ rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
 }
 
 Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use) {
+  if (const Status status = RequireNodes(config.graph); !status) return Forward(status);
   const rig::Studio& studio = rig.camera->studio();
   nodes::KeyframesJob job;
   job.plan = config.plan;

@@ -42,6 +42,10 @@ struct RunConfig {
 Result<RunConfig> ReadRunConfig(const std::filesystem::path& path);
 Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file);
 
+// Whether the file is one for a run, or one for a generated session, which has none of these keys.
+// Fails (kInput) if it cannot be read.
+Result<bool> IsRunConfig(const std::filesystem::path& path);
+
 // The devices of a config, and what the session says of them.
 struct Rig {
   std::shared_ptr<rig::MockTurntable> table;
@@ -69,7 +73,7 @@ struct GraphUse {
   std::function<void(const std::string&)> log_line = [](const std::string&) {};
 };
 // Built and given its params; nothing runs. Fails (kInput) with file, line, key and what is
-// allowed.
+// allowed; also of a graph that would take no frames, or keep none.
 Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use);
 
 // Takes the nodes of a type out, with their connections and records.

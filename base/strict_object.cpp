@@ -137,10 +137,14 @@ Result<json> NodeToJson(const YAML::Node& node, const std::string& pointer, int 
     for (const auto& entry : node) {
       if (!entry.first.IsScalar()) return InputError(here + "a key must be a word");
       const std::string key = entry.first.Scalar();
+      const int line = entry.first.Mark().line + 1;
       if (object.contains(key))
-        return InputError(here + "the key \"" + key + "\" appears twice in one object");
+        return InputError(document.file + ":" + std::to_string(line) + ": the key \"" + key +
+                          "\" appears twice in one object");
       auto value = NodeToJson(entry.second, pointer + "/" + key, depth + 1, document);
       if (!value) return value;
+      // A value that is an object itself begins only at its first key.
+      document.lines[pointer + "/" + key] = line;
       object[key] = std::move(*value);
     }
     return object;
@@ -158,7 +162,8 @@ Result<Document> ParseJson(std::string_view text, std::string file) {
   try {
     document.root = json::parse(text.begin(), text.end(), std::ref(duplicates));
   } catch (const json::exception& error) {
-    return InputError(document.file + ": not valid JSON: " + error.what());
+    const std::string text = error.what();  // "[json.exception.parse_error.101] parse error at ..."
+    return InputError(document.file + ": not valid JSON: " + text.substr(text.find("] ") + 2));
   }
   if (!duplicates.problem().empty()) return InputError(document.file + ": " + duplicates.problem());
   return document;

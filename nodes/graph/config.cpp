@@ -61,10 +61,7 @@ std::optional<Policy> ReadPolicy(StrictObject& connection) {
   constexpr const char* kAllowed = "block or {keep_last: N} with N from 1 to 65536";
   const json& policy = connection.Raw("policy");
   const auto capacity = connection.OptionalInteger("capacity", 1, kMaxCapacity);
-  if (!connection.Has("policy")) {
-    if (capacity) connection.RefuseText("capacity", "a capacity goes with policy: block");
-    return std::nullopt;
-  }
+  if (!connection.Has("policy")) return std::nullopt;
   if (policy == "block")
     return Policy{Policy::Kind::kBlock,
                   capacity ? static_cast<std::size_t>(*capacity) : kDefaultCapacity};
@@ -88,6 +85,9 @@ Result<ConnectionConfig> ReadConnection(StrictObject& object) {
   connection.to_where = object.Where("to");
   connection.policy_where = object.Where("policy");
   if (Status status = object.Finish(); !status) return Forward(status);
+  // Not before a misspelt policy has been named.
+  if (!connection.policy && object.Has("capacity"))
+    return InputError(object.Where("capacity") + ": a capacity goes with policy: block");
   return connection;
 }
 

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "rig/session/journal.h"
 
 namespace turnlight::rig {
 
@@ -11,6 +12,21 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr std::uint64_t kMaxSessionBytes = std::uint64_t{1} << 28;
+
+// Where the session is if the folder has none: a run keeps it one folder below.
+std::string WhereInstead(const fs::path& root) {
+  const auto has = [](const fs::path& folder, const char* file) {
+    std::error_code code;
+    return fs::exists(folder / file, code);
+  };
+  if (has(root, kSessionFile)) return "";
+  if (has(root, kJournalFile))
+    return "; the capture was not finished, turnlight resume of the run's folder completes it";
+  const fs::path below = root / "session";
+  if (has(below, kSessionFile) || has(below, kJournalFile))
+    return "; this is the folder of a run, its session is " + below.string();
+  return ", allowed is the folder of a session";
+}
 }  // namespace
 
 std::vector<NamedPath> PathsOfFrame(const FrameRecord& frame, std::size_t index) {
@@ -68,7 +84,7 @@ Result<fs::path> Locate(const fs::path& root, const NamedPath& named) {
 Result<ParsedSession> LoadSession(const fs::path& root) {
   const fs::path file = root / kSessionFile;
   const auto text = ReadFile(file, kMaxSessionBytes);
-  if (!text) return Forward(text);
+  if (!text) return InputError(text.error().text + WhereInstead(root));
   ParsedSession parsed = ParseSession(*text, file.string());
   Session& session = parsed.session;
   session.root = root;

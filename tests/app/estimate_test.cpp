@@ -5,6 +5,7 @@
 // tests/estimator does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 std::vector<std::string> Keys(const ordered_json& object) {
   std::vector<std::string> keys;
@@ -111,6 +113,25 @@ TEST_F(Estimate, StartsFromATruthAndFromAResult) {
   const Outcome missing = RunEstimate("c", {"--initial", folder_ / "none.json"});
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_THAT(missing.err, HasSubstr("none.json"));
+}
+
+TEST_F(Estimate, AnUnusableOutputFolderIsToldBeforeTheWork) {
+  WriteText(folder_ / "file", "x");
+  const Outcome below = RunProgram({"estimate", folder_ / "s", "--out", folder_ / "file/r"});
+  EXPECT_EQ(below.exit_code, 2);
+  EXPECT_THAT(below.err, StartsWith("turnlight: --out: " + std::string(folder_ / "file") +
+                                    " is a file, allowed is a folder"));
+}
+
+TEST_F(Estimate, AFolderThatMayNotBeWrittenIsToldBeforeTheWork) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  std::filesystem::create_directory(folder_ / "mine");
+  std::filesystem::permissions(
+      folder_ / "mine", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const Outcome denied = RunProgram({"estimate", folder_ / "s", "--out", folder_ / "mine/r"});
+  EXPECT_EQ(denied.exit_code, 2);
+  EXPECT_THAT(denied.err, StartsWith("turnlight: --out: "));
+  EXPECT_THAT(denied.err, HasSubstr("cannot write in"));
 }
 
 TEST_F(Estimate, AResultCanBeRendered) {

@@ -31,8 +31,8 @@ pid_t Spawn(const std::vector<std::string>& arguments, const std::string& out,
 
 }  // namespace
 
-pid_t Start(const std::vector<std::string>& arguments) {
-  return Spawn(arguments, "/dev/null", "/dev/null", {});
+pid_t Start(const std::vector<std::string>& arguments, const std::string& err) {
+  return Spawn(arguments, "/dev/null", err, {});
 }
 
 int Finish(pid_t process) {

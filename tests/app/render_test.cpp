@@ -1,11 +1,15 @@
 // Proves that `render` reproduces the session that a scene was made into, bit for bit where the
-// pictures have 16 bits, that its output is a session itself, and that --set and --light change
-// what they say. Does not prove that the renderer is right; tests/estimator and the shared data do.
+// pictures have 16 bits, that its output is a session itself, that it writes over none and tells of
+// an unfinished one, and that --set and --light change what they say. Does not prove that the
+// renderer is right; tests/estimator and the shared data do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <thread>
 
 #include "calib/radiometry.h"
 #include "rig/session/session.h"
@@ -169,6 +173,37 @@ TEST(Render, NeverTouchesTheSession) {
   EXPECT_EQ(RunProgram({"verify", folder / "s"}).exit_code, 0);
   const Outcome file = RenderTruth(folder, "s.txt");
   EXPECT_EQ(file.exit_code, 0) << file.err;  // beside it, with a name that begins alike
+}
+
+TEST(Render, NeverWritesOverAnotherSession) {
+  const TemporaryFolder folder;
+  WriteSession(SmallConfig(), folder / "s");
+  rig::SyntheticConfig other = SmallConfig();
+  other.motion.frames = 4;
+  WriteSession(other, folder / "other");
+  const std::string before = ContentOf(folder / "other");
+  const Outcome outcome = RenderTruth(folder, "other");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("other is not empty, allowed is a new or empty folder"));
+  EXPECT_EQ(ContentOf(folder / "other"), before);
+}
+
+TEST(Render, CtrlCSaysThatTheSessionIsNotComplete) {
+  const TemporaryFolder folder;
+  rig::SyntheticConfig config = SmallConfig();
+  config.motion.frames = 12;
+  config.motion.step_deg = 30.0;
+  WriteSession(config, folder / "s");
+  // So many rays that there is time to interrupt.
+  const pid_t process = Start({"render", folder / "s", "--params", folder / "s/truth.json", "--out",
+                               folder / "r", "--samples", "32"},
+                              folder / "err");
+  for (int i = 0; i < 3000 && !std::filesystem::exists(folder / "r/frames/000.png"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(::kill(process, SIGINT), 0);
+  EXPECT_EQ(Finish(process), 130);
+  EXPECT_THAT(ReadText(folder / "err"), HasSubstr("r is no complete session"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "r/session.json"));
 }
 
 }  // namespace

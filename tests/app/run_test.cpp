@@ -230,6 +230,44 @@ TEST_F(Run, ReplayWithAnotherRigIsRefusedAndNamed) {
   EXPECT_NE(outcome.err.find("another \"rig\""), std::string::npos) << outcome.err;
 }
 
+TEST_F(Run, ReplayOfAFolderOrOfNoLogIsRefused) {
+  ExpectRuns({"capture", config_, "--out", Out("run")});
+  const Outcome whole = RunProgram({"replay", Out("run"), "--out", Out("again")});
+  EXPECT_EQ(whole.exit_code, 2);
+  EXPECT_NE(whole.err.find(Out("run") + ": a folder, allowed is the log of a run, " + Out("run") +
+                           "/log for example"),
+            std::string::npos)
+      << whole.err;
+  const Outcome none = RunProgram({"replay", Out("run") + "/lgo", "--out", Out("again")});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("run/lgo: cannot open"), std::string::npos) << none.err;
+  EXPECT_FALSE(fs::exists(Out("again")));
+}
+
+TEST_F(Run, AGraphThatKeepsNoFrameIsRefused) {
+  std::string text = ReadText(config_);
+  Replace(text, "    recorder: {type: recorder, duration_ms: 20}\n", "");
+  Replace(text,
+          "    - {from: calibration.keyframe, to: recorder.keyframe, policy: block, capacity: 4}\n",
+          "");
+  const std::string config = (root_ / "none.yaml").string();
+  WriteText(config, text);
+  const Outcome outcome = RunProgram({"capture", config, "--out", Out("run")});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("graph/nodes: 0 nodes of type recorder, allowed is exactly 1"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_FALSE(fs::exists(Out("run")));
+}
+
+TEST_F(Run, CaptureChecksTheEstimatorToo) {
+  const std::string config = Config("topic.yaml", "simulated_turntable.yaml",
+                                    "- estimator.estimate", "- estimator.estimates");
+  const Outcome outcome = RunProgram({"capture", config, "--out", Out("run")});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("no output \"estimates\""), std::string::npos) << outcome.err;
+}
+
 // The main job as it ships.
 TEST_F(Run, TheMainConfigFindsItsLights) {
   const std::string config =

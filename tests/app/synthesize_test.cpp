@@ -99,6 +99,31 @@ TEST(Config, RefusesByFileLineAndKey) {
   }
 }
 
+TEST(Config, AConfigOfTheOtherKindIsCalledThat) {
+  const TemporaryFolder folder;
+  const std::string configs = TURNLIGHT_SOURCE_DIR "/configs/";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"config", "show"}, {"synthesize", "--out", folder / "s"}}) {
+    std::vector<std::string> all = words;
+    all.push_back(configs + "simulated_turntable.yaml");
+    const Outcome outcome = RunProgram(all);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("a config for turnlight run, allowed is one for turnlight "
+                                       "synthesize"));
+  }
+  const Outcome plan = RunProgram({"plan", configs + "synthetic_sphere.yaml"});
+  EXPECT_EQ(plan.exit_code, 2);
+  EXPECT_THAT(plan.err, HasSubstr("synthetic_sphere.yaml: a config for turnlight synthesize, "
+                                  "allowed is one for turnlight run"));
+  // Of a run's config without its graph that is what is missing.
+  std::string text = ReadText(configs + "simulated_turntable.yaml");
+  Replace(text, "\ngraph:", "\ngraf:");
+  WriteText(folder / "graf.yaml", text);
+  const Outcome check = RunProgram({"config", "check", folder / "graf.yaml"});
+  EXPECT_EQ(check.exit_code, 2);
+  EXPECT_THAT(check.err, HasSubstr("graph: this key is missing"));
+}
+
 TEST(Config, TheExamplesAreGood) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TURNLIGHT_SOURCE_DIR "/configs")) {

@@ -42,6 +42,26 @@ TEST(Verify, AllFramesBadIsRefused) {
   EXPECT_THAT(outcome.out, HasSubstr("3 problems, 0 good frames"));
 }
 
+TEST(Verify, AFolderWithoutASessionSaysWhereItIs) {
+  const TemporaryFolder folder;
+  WriteSession(SmallConfig(), folder / "run/session");
+  const Outcome run = RunProgram({"verify", folder / "run"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("run/session.json: cannot open"));
+  EXPECT_THAT(run.err, HasSubstr("this is the folder of a run, its session is " +
+                                 std::string(folder / "run/session")));
+  const Outcome none = RunProgram({"verify", folder / "none"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("allowed is the folder of a session"));
+
+  std::filesystem::rename(folder / "run/session/session.json",
+                          folder / "run/session/journal.jsonl");
+  const Outcome unfinished =
+      RunProgram({"estimate", folder / "run/session", "--out", folder / "r"});
+  EXPECT_EQ(unfinished.exit_code, 2);
+  EXPECT_THAT(unfinished.err, HasSubstr("the capture was not finished, turnlight resume"));
+}
+
 TEST(Verify, ABadSessionIsRefused) {
   const TemporaryFolder folder;
   WriteSession(SmallConfig(), folder / "s");

@@ -13,6 +13,7 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 Document Json(const std::string& text) {
   auto document = ParseJson(text, "f.json");
@@ -208,7 +209,8 @@ TEST(StrictObject, LongValuesAreCut) {
 }
 
 TEST(ParseJson, Refusals) {
-  EXPECT_THAT(JsonError("{\n\"a\": }"), AllOf(HasSubstr("f.json"), HasSubstr("line 2")));
+  EXPECT_THAT(JsonError("{\n\"a\": }"),
+              StartsWith("f.json: not valid JSON: parse error at line 2"));
   EXPECT_THAT(JsonError(""), HasSubstr("not valid JSON"));
   EXPECT_THAT(JsonError("{} x"), HasSubstr("not valid JSON"));
   EXPECT_THAT(JsonError("{\"a\": \"\xff\"}"), HasSubstr("not valid JSON"));
@@ -260,12 +262,17 @@ TEST(ParseYaml, LinesInMessages) {
   lights[0].Number("none");
   EXPECT_EQ(lights[0].Finish().error().text, "f.yaml:4: lights/0/none: this key is missing");
   EXPECT_EQ(object.Finish().error().text.substr(0, 14), "f.yaml:2: name");
+  // A key with keys below it is reported at its own line.
+  const Document nested = Yaml("a: 1\nlihgts:\n  power: 1\n");
+  StrictObject root(nested);
+  root.OptionalNumber("a");
+  EXPECT_EQ(root.Finish().error().text, "f.yaml:2: lihgts: unknown key, allowed are a");
 }
 
 TEST(ParseYaml, Refusals) {
   EXPECT_THAT(YamlError("a: 1\nb: [1, 2\n"), HasSubstr("not valid YAML"));
   EXPECT_THAT(YamlError("a: 1\nb: 2\na: 3\n"),
-              AllOf(HasSubstr("f.yaml:1"), HasSubstr("\"a\" appears twice")));
+              AllOf(HasSubstr("f.yaml:3"), HasSubstr("\"a\" appears twice")));
   EXPECT_THAT(YamlError("? [1, 2]\n: 3\n"), HasSubstr("a key must be a word"));
   EXPECT_THAT(YamlError("a: 1\n---\nb: 2\n"), HasSubstr("2 documents, allowed is 1"));
   EXPECT_THAT(YamlError("a: *none\n"), HasSubstr("not valid YAML"));

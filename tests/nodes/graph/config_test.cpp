@@ -7,6 +7,7 @@
 namespace turnlight::graph {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -117,6 +118,9 @@ TEST(GraphConfig, RefusesWrongConnections) {
             "rig.yaml:10: graph/connections/1/capacity: the capacity of keep_last is its number");
   EXPECT_EQ(Refusal(Replaced("ant.act, to: zebra.act", "ant.act, to: zebra.act, capacity: 1")),
             "rig.yaml:11: graph/connections/2/capacity: a capacity goes with policy: block");
+  EXPECT_THAT(Refusal(Replaced("policy: block, capacity: 4", "polcy: block, capacity: 4")),
+              AllOf(StartsWith("rig.yaml:9: graph/connections/0/polcy: unknown key"),
+                    HasSubstr("did you mean \"policy\"?")));
   EXPECT_EQ(Refusal(Replaced("capacity: 4", "capacity: 0")),
             "rig.yaml:9: graph/connections/0/capacity: 0, allowed is a whole number from 1 to "
             "65536");
