@@ -291,7 +291,8 @@ double ValueCount(const Observations& observations, const EvaluateOptions& optio
 
 double LobeHalfWidth(double shininess) { return std::acos(std::exp2(-1.0 / shininess)); }
 
-std::vector<std::uint8_t> FootprintSamples(const Observations& observations, double shininess) {
+std::vector<std::uint8_t> FootprintSamples(const Observations& observations, double shininess,
+                                           int least) {
   const double half_width = LobeHalfWidth(shininess);
   std::vector<std::uint8_t> samples(observations.tiles());
   for (std::size_t tile = 0; tile < samples.size(); ++tile) {
@@ -299,7 +300,7 @@ std::vector<std::uint8_t> FootprintSamples(const Observations& observations, dou
     // Below 0.2 the centre will do. Then as many Gauss points as keep the error of a Gaussian
     // lobe's mean below 1e-4 of its peak: 2 up to a ratio of 0.5, 3 up to 1.2, and on in
     // proportion.
-    const int count = ratio < 0.2   ? 1
+    const int count = ratio < 0.2   ? least
                       : ratio < 0.5 ? 2
                                     : 2 + static_cast<int>(std::ceil(ratio / 1.2));
     samples[tile] = static_cast<std::uint8_t>(std::min(count, kernel::kMaxSamples));

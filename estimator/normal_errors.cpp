@@ -62,7 +62,7 @@ Turn BestTurn(const NormalEquations& at, const std::vector<int>& free, const Til
   Eigen::Vector3d slope;
   for (int k = 0; k < 3; ++k) {
     const Effect& effect = tilts.effects[static_cast<std::size_t>(k)];
-    mixed.col(k) = scale.asDiagonal() * Eigen::VectorXd(tilts.mixed.col(k)(free));
+    mixed.col(k) = scale.asDiagonal() * Eigen::VectorXd(effect.mixed(free));
     slope[k] = effect.slope;
   }
   const Eigen::LDLT<Eigen::MatrixXd> factors(hessian);
@@ -81,38 +81,20 @@ Turn BestTurn(const NormalEquations& at, const std::vector<int>& free, const Til
 }  // namespace
 
 TiltResponse TiltNormals(const Observations& pixels, const Scene& scene,
-                         const EvaluateOptions& options, const NormalEquations& untilted) {
+                         const EvaluateOptions& options, const EffectProbe& probe) {
   TiltResponse out;
   out.by_any.assign(pixels.size(), 0.0);
-  EvaluateOptions gradient_only = options;
-  gradient_only.gradient_only = true;
   std::array<Prediction, 3> slopes;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Prediction& slope = slopes[axis];
-    slope.assign(static_cast<std::size_t>(pixels.channels),
-                 std::vector<float>(pixels.size(), 0.0f));
-    out.effects[axis] = CentralEffect(
-        [&](double angle) {
-          const Observations tilted =
-              Tilted(pixels, angle * Eigen::Vector3d::Unit(static_cast<int>(axis)));
-          const Prediction model = Predict(tilted, scene, options);
-          for (std::size_t c = 0; c < slope.size(); ++c)
-            for (std::size_t i = 0; i < pixels.size(); ++i)
-              slope[c][i] += static_cast<float>(0.5 / angle) * model[c][i];
-          return Evaluate(tilted, scene, gradient_only);
-        },
-        untilted, kStep);
-  }
-  gradient_only.huber = 0.0;
-  const Eigen::VectorXd gradient = Evaluate(pixels, scene, gradient_only).gradient;
-  out.mixed.resize(gradient.size(), 3);
   for (int axis = 0; axis < 3; ++axis) {
-    Observations other = pixels;  // residuals that are larger by the slope
-    for (std::size_t c = 0; c < slopes[0].size(); ++c)
-      for (std::size_t i = 0; i < pixels.size(); ++i)
-        other.radiance[c][i] -= slopes[static_cast<std::size_t>(axis)][c][i];
-    out.mixed.col(axis) = Evaluate(other, scene, gradient_only).gradient - gradient;
+    const Eigen::Vector3d by = kStep * Eigen::Vector3d::Unit(axis);
+    Prediction slope = Predict(Tilted(pixels, by), scene, options);
+    AddTimes(-1.0, Predict(Tilted(pixels, -by), scene, options), slope);
+    for (auto& channel : slope)
+      for (float& value : channel) value *= static_cast<float>(0.5 / kStep);
+    out.effects[static_cast<std::size_t>(axis)] = probe.Of(slope, 1.0);
+    slopes[static_cast<std::size_t>(axis)] = std::move(slope);
   }
+  out.together.setZero();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (pixels.pixel[i] == Observations::kNoPixel) continue;
     for (std::size_t c = 0; c < slopes[0].size(); ++c) {
@@ -120,7 +102,7 @@ TiltResponse TiltNormals(const Observations& pixels, const Scene& scene,
                                static_cast<double>(slopes[1][c][i]),
                                static_cast<double>(slopes[2][c][i]));
       out.together += by * by.transpose();
-      out.by_any[i] += 0.5 * by.squaredNorm();
+      out.by_any[i] += by.squaredNorm();
     }
   }
   return out;
@@ -150,7 +132,8 @@ std::optional<Scene> FitTilts(const Observations& pixels, const Solution& soluti
   const double before = fit.equations.cost;
   for (int round = 0; round < kTiltRounds; ++round) {
     const Turn turn = BestTurn(fit.equations, free,
-                               TiltNormals(turned, fit.scene, solve.evaluate, fit.equations));
+                               TiltNormals(turned, fit.scene, solve.evaluate,
+                                           EffectProbe(turned, fit.scene, solve.evaluate)));
     const double angle = turn.by.norm();
     if (!(turn.gain > kWorthARound * before) || !(angle > 0.0)) break;
     const Observations next = Tilted(turned, turn.by * std::min(1.0, kMostTurn / angle));

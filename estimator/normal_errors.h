@@ -13,22 +13,19 @@
 
 namespace turnlight::estimator {
 
-using Prediction = std::vector<std::vector<float>>;  // as Predict's: channels x pixels
-
 struct TiltResponse {
   // By the angle (radians) about each axis: the target's where observations know its poses (what
   // can shadow itself), else W's.
   std::array<Effect, 3> effects;
-  // Of squares, the angles' Gauss-Newton matrix and that of the scene's columns by the angles.
+  // Of squares, the angles' Gauss-Newton matrix.
   Eigen::Matrix3d together = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, Eigen::Dynamic, 3> mixed;
-  // Per pixel the squared change of its radiances by the angle of a tilt about a random axis across
-  // its normal.
+  // Per pixel the squared change of its radiances by a tilt's angle, over two axes across its
+  // normal.
   std::vector<double> by_any;
 };
 
 TiltResponse TiltNormals(const Observations& pixels, const Scene& scene,
-                         const EvaluateOptions& options, const NormalEquations& untilted);
+                         const EvaluateOptions& options, const EffectProbe& probe);
 
 // The scene that fits the pixels with the tilt that they ask for, found in turns by Gauss-Newton
 // steps. None if the cost (squares) does not fall by a fifth. solution: of all pixels; options: of

@@ -295,6 +295,40 @@ void Gather(const std::vector<T>& from, const std::vector<std::size_t>& picked,
   for (std::size_t i = 0; i < picked.size(); ++i) to[i] = from[picked[i]];
 }
 
+// The pixels at these places, in one run of tiles.
+Observations Picked(const Observations& all, const std::vector<std::size_t>& picked) {
+  Observations out;
+  out.channels = all.channels;
+  out.reference = all.reference;
+  out.radius = all.radius;
+  out.caster = all.caster;
+  out.width = all.width;
+  out.X_TW = all.X_TW;
+  out.subsampled = true;
+  out.used = picked.size();
+  out.tile_begin.push_back((picked.size() + kTile - 1) / kTile);
+  Resize(out, out.tile_begin.back() * kTile);
+  for (int k = 0; k < 3; ++k) {
+    Gather(all.position[k], picked, out.position[k]);
+    Gather(all.normal[k], picked, out.normal[k]);
+    Gather(all.mirrored[k], picked, out.mirrored[k]);
+    if (k < all.channels) Gather(all.radiance[k], picked, out.radiance[k]);
+  }
+  for (int k = 0; k < 6; ++k) {
+    Gather(all.footprint[k], picked, out.footprint[k]);
+    Gather(all.step[k], picked, out.step[k]);
+  }
+  Gather(all.pixel, picked, out.pixel);
+  if (out.caster != nullptr) {
+    for (int k = 0; k < 3; ++k) Gather(all.face_normal[k], picked, out.face_normal[k]);
+    Gather(all.keyframe, picked, out.keyframe);
+  }
+  for (std::size_t i = 0; i < picked.size(); ++i)
+    out.tile_footprint[i / kTile] =
+        std::max(out.tile_footprint[i / kTile], all.tile_footprint[picked[i] / kTile]);
+  return out;
+}
+
 }  // namespace
 
 Observations Concatenate(const std::vector<Observations>& parts) {
@@ -364,36 +398,22 @@ Observations Subsample(const Observations& all, std::size_t count, std::uint64_t
     if (all.pixel[i] != Observations::kNoPixel &&
         random.Uniform(i) * total < weight(i) * static_cast<double>(count))
       picked.push_back(i);
-  Observations out;
-  out.channels = all.channels;
-  out.reference = all.reference;
-  out.radius = all.radius;
-  out.caster = all.caster;
-  out.width = all.width;
-  out.X_TW = all.X_TW;
-  out.subsampled = true;
-  out.used = picked.size();
-  out.tile_begin.push_back((picked.size() + kTile - 1) / kTile);
-  Resize(out, out.tile_begin.back() * kTile);
-  for (int k = 0; k < 3; ++k) {
-    Gather(all.position[k], picked, out.position[k]);
-    Gather(all.normal[k], picked, out.normal[k]);
-    Gather(all.mirrored[k], picked, out.mirrored[k]);
-    if (k < all.channels) Gather(all.radiance[k], picked, out.radiance[k]);
-  }
-  for (int k = 0; k < 6; ++k) {
-    Gather(all.footprint[k], picked, out.footprint[k]);
-    Gather(all.step[k], picked, out.step[k]);
-  }
-  Gather(all.pixel, picked, out.pixel);
-  if (out.caster != nullptr) {
-    for (int k = 0; k < 3; ++k) Gather(all.face_normal[k], picked, out.face_normal[k]);
-    Gather(all.keyframe, picked, out.keyframe);
-  }
-  for (std::size_t i = 0; i < picked.size(); ++i)
-    out.tile_footprint[i / kTile] =
-        std::max(out.tile_footprint[i / kTile], all.tile_footprint[picked[i] / kTile]);
-  return out;
+  return Picked(all, picked);
+}
+
+Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
+                           const std::vector<std::uint8_t>* usable) {
+  const auto used = [&](std::size_t i) {
+    return all.pixel[i] != Observations::kNoPixel && (usable == nullptr || (*usable)[i] != 0);
+  };
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) total += used(i) ? 1 : 0;
+  const RandomStream random(seed, 0);
+  std::vector<std::size_t> picked;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i) && random.Uniform(i) * static_cast<double>(total) < static_cast<double>(count))
+      picked.push_back(i);
+  return Picked(all, picked);
 }
 
 }  // namespace turnlight::estimator

@@ -91,4 +91,9 @@ Observations Concatenate(const std::vector<Observations>& parts);
 // by a random number that is a function of (seed, index) only.
 Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed);
 
+// As Subsample, but every pixel that is usable (null: all) with the same probability: a gradient in
+// a noisy picture is larger where the noise is, and what is picked by it has a mean.
+Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
+                           const std::vector<std::uint8_t>* usable);
+
 }  // namespace turnlight::estimator

@@ -15,6 +15,7 @@ float Grey(const std::vector<std::vector<float>>& model, std::size_t i) {
   return sum;
 }
 
+constexpr std::size_t kPlaces = 32;    // from the target's top to its bottom
 constexpr double kNearEdge = 4.0;      // half footprints
 constexpr double kHardlyRough = 1e-3;  // radians
 
@@ -97,6 +98,17 @@ ResidualSplits SplitResiduals(const Observations& all, const Solution& solution)
   out.cluster_count = static_cast<std::size_t>(tiles.cols());
 
   const std::size_t views = all.tile_begin.size() - 1;
+  if (views > 1) {
+    Eigen::MatrixXd at = Eigen::MatrixXd::Zero(tiles.rows(), kPlaces);
+    for (std::size_t k = 0; k < views; ++k) {
+      const std::size_t begin = all.tile_begin[k], count = all.tile_begin[k + 1] - begin;
+      for (std::size_t t = 0; t < count; ++t)
+        at.col(static_cast<Eigen::Index>(t * kPlaces / count)) +=
+            tiles.col(static_cast<Eigen::Index>(begin + t));
+    }
+    out.places = at * at.transpose();
+    out.place_count = kPlaces;
+  }
   const auto of_views = [&](const std::function<bool(std::size_t)>& chosen) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(tiles.rows());
     for (std::size_t k = 0; k < views; ++k)

@@ -15,12 +15,13 @@ constexpr double kSampleShadowTolerance = 5e-3;
 Solution SolveSettled(const Observations& observations, const Scene& start, SolveOptions options,
                       int rounds, const Shadows& known) {
   const double tolerance = observations.subsampled ? kSampleShadowTolerance : kShadowTolerance;
+  const int least = observations.subsampled ? 1 : 2;
   EvaluateOptions& evaluate = options.evaluate;
-  evaluate.samples_per_side = FootprintSamples(observations, start.reflectance.shininess);
+  evaluate.samples_per_side = FootprintSamples(observations, start.reflectance.shininess, least);
   evaluate.shadows = CastShadows(observations, start, known, tolerance);
   Solution solution = Solve(observations, start, options);
   for (int round = 1; round < rounds; ++round) {
-    auto samples = FootprintSamples(observations, solution.scene.reflectance.shininess);
+    auto samples = FootprintSamples(observations, solution.scene.reflectance.shininess, least);
     Shadows shadows = CastShadows(observations, solution.scene, evaluate.shadows, tolerance);
     if (samples == evaluate.samples_per_side && SameShadows(shadows, evaluate.shadows)) break;
     evaluate.samples_per_side = std::move(samples);

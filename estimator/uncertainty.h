@@ -61,14 +61,16 @@ struct Uncertainties {
 
 // Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and
 // H^-1 (sum g g^T) H^-1 over the gradients g of tiles of neighbouring pixels (Huber's "sandwich",
-// clustered), which is larger where neighbours' residuals go together.
+// clustered), which is larger where neighbours' residuals go together, or those of one place in the
+// pictures; each as far as it is beyond chance.
 // Model: for each split of the observations in two halves, half the difference d of what they ask
 // for, to first order; it counts as far as it is more than noise: all parameters together (chi
 // squared, 4 sigma), or a quantity by itself (3 sigma); and twice, for both halves have errors in
-// common. Besides, the change when footprints are sampled twice as finely, and 4 % of it when they
-// are not averaged over; when pixels near attached shadows' edges are left out; and when what was
-// left out of the model, but is more than 2 sigma there, is let in: roughness, the inverse distance
-// of a light held to be distant. Squares add up. Carried to the reported quantities by their
+// common. Besides, the change when footprints are sampled twice as finely; when a near light's
+// falloff is averaged over the pixels; when pixels near attached shadows' edges are left out; and
+// when what was left out of the model, but is there beyond noise, is let in: roughness, the inverse
+// distance of a light held to be distant, and what unmodelled.h tries. Texture is in the diffuse
+// and ambient values. Squares add up. Carried to the reported quantities by their
 // derivatives (central differences). What ended at a bound counts as free, so that a light that
 // looks distant still has a sigma. splits: of this solution.
 Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,

@@ -12,90 +12,54 @@
 namespace turnlight::estimator {
 namespace {
 
-constexpr std::size_t kPixels = 20000;
-constexpr std::size_t kSearchPixels = 5000;
+constexpr std::size_t kPixels = 50000;
+constexpr std::size_t kSearchPixels = 10000;
 constexpr double kApertureStep = 0.05;
 constexpr double kNearEdge = 2.0;     // half footprints
-constexpr double kExtentStep = 0.15;  // of the lobe's half-width
+constexpr double kExtentStep = 0.08;  // of the lobe's half-width
 constexpr double kWidestStep = 0.05;  // radians
 
-// Of what cannot be negative.
-Effect OneSided(const std::function<NormalEquations(double)>& at, const NormalEquations& zero,
-                double step) {
-  const NormalEquations one = at(step), two = at(2.0 * step);
-  return {(4.0 * one.gradient - two.gradient - 3.0 * zero.gradient) / (2.0 * step),
-          (4.0 * one.cost - two.cost - 3.0 * zero.cost) / (2.0 * step),
-          (two.cost - 2.0 * one.cost + zero.cost) / (step * step)};
-}
-
-// The normal equations' cost and gradient by the scene's columns if one of its lights is two of
-// half its intensity, `apart` to both sides along a tangent.
-NormalEquations WithTwoHalves(const Observations& pixels, const Scene& scene, std::size_t light,
-                              const Eigen::Vector3d& apart, EvaluateOptions options) {
-  const Light& whole = scene.lights[light];
-  Scene split = scene;
-  split.lights.push_back(whole);
-  for (const std::size_t half : {light, split.lights.size() - 1}) {
-    const double side = half == light ? 1.0 : -1.0;
-    split.lights[half].direction = (whole.direction + side * apart).normalized();
-    split.lights[half].intensity *= 0.5;
-  }
-  for (auto* planes : {&options.shadows.lit, &options.shadows.blocked})
-    if (!planes->empty()) planes->push_back(Plane((*planes)[light]));
-  NormalEquations out = Evaluate(pixels, split, options);
-
-  const int old_lights = static_cast<int>(scene.lights.size());
-  const Columns columns{pixels.channels, old_lights};
-  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-  double intensity = 0.0, rho = 0.0;
-  for (const int half : {static_cast<int>(light), old_lights}) {
-    turn += TangentBasis(split.lights[static_cast<std::size_t>(half)].direction) *
-            out.gradient.segment<2>(columns.Tangent(half));
-    intensity += 0.5 * out.gradient[columns.Intensity(half)];
-    rho += out.gradient[columns.InverseDistance(half)];
-  }
-  out.gradient.conservativeResize(columns.count());
-  const int l = static_cast<int>(light);
-  out.gradient.segment<2>(columns.Tangent(l)) = TangentBasis(whole.direction).transpose() * turn;
-  out.gradient[columns.Intensity(l)] = intensity;
-  out.gradient[columns.InverseDistance(l)] = rho;
-  return out;
-}
-
 void AddExtents(const Observations& pixels, const Scene& scene, const EvaluateOptions& options,
-                Unmodelled& out) {
+                const EffectProbe& probe, Unmodelled& out) {
   const double lobe = scene.reflectance.specular_model == SpecularModel::kNone
                           ? kWidestStep
                           : kExtentStep * LobeHalfWidth(scene.reflectance.shininess);
   const double step = std::min(lobe, kWidestStep);
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
-    const Eigen::Matrix<double, 3, 2> basis = TangentBasis(scene.lights[l].direction);
+    const Light& whole = scene.lights[l];
+    const Eigen::Matrix<double, 3, 2> basis = TangentBasis(whole.direction);
     for (int k = 0; k < 3; ++k) {
       const double angle = k * std::numbers::pi / 3.0;
-      const Eigen::Vector3d axis = basis.col(0) * std::cos(angle) + basis.col(1) * std::sin(angle);
-      out.extents.push_back(OneSided(
-          [&](double variance) {
-            return WithTwoHalves(pixels, scene, l, std::sqrt(variance) * axis, options);
-          },
-          out.as_modelled, step * step));
+      const Eigen::Vector3d apart =
+          step * (basis.col(0) * std::cos(angle) + basis.col(1) * std::sin(angle));
+      // Two of half its intensity, to both sides.
+      Scene split = scene;
+      split.lights.push_back(whole);
+      for (const std::size_t half : {l, split.lights.size() - 1}) {
+        const double side = half == l ? 1.0 : -1.0;
+        split.lights[half].direction = (whole.direction + side * apart).normalized();
+        split.lights[half].intensity *= 0.5;
+      }
+      EvaluateOptions both = options;
+      for (auto* planes : {&both.shadows.lit, &both.shadows.blocked})
+        if (!planes->empty()) planes->push_back(Plane((*planes)[l]));
+      Prediction change = Predict(pixels, split, both);
+      AddTimes(-1.0, probe.model(), change);
+      out.extents.push_back(probe.Of(change, 1.0 / (step * step)));
     }
   }
 }
 
 void AddLight(const Observations& pixels, const Scene& scene, EvaluateOptions options,
-              Unmodelled& out) {
-  const auto light = MostMissingLight(Subsample(pixels, kSearchPixels, 4), scene);
+              const EffectProbe& probe, Unmodelled& out) {
+  const auto light = MostMissingLight(EvenSubsample(pixels, kSearchPixels, 4, nullptr), scene);
   if (!light) return;
-  Scene more = scene;
-  more.lights.push_back(*light);
-  more.lights.back().intensity = 0.0;
-  options.gradient_only = false;
-  options.shadows = CastShadows(pixels, more, options.shadows, 0.0);
-  const NormalEquations equations = Evaluate(pixels, more, options);
-  const Columns columns{pixels.channels, static_cast<int>(scene.lights.size())};
-  const int column = columns.Intensity(static_cast<int>(scene.lights.size()));
-  out.light = Effect{equations.hessian.col(column).head(columns.count()),
-                     equations.gradient[column], equations.hessian(column, column)};
+  Scene alone = scene;
+  alone.reflectance.ambient = 0.0;
+  alone.lights = {*light};
+  alone.lights.front().intensity = 1.0;
+  options.shadows = CastShadows(pixels, alone);
+  out.light = probe.Of(Predict(pixels, alone, options), 1.0);
 }
 
 // How the normal changes across a pixel: half as fast as what it mirrors.
@@ -131,14 +95,6 @@ Observations Sunk(const Observations& all) {
   return out;
 }
 
-using Prediction = std::vector<std::vector<float>>;
-
-void AddTimes(double factor, const Prediction& what, Prediction& to) {
-  for (std::size_t c = 0; c < to.size(); ++c)
-    for (std::size_t i = 0; i < to[c].size(); ++i)
-      to[c][i] += static_cast<float>(factor) * what[c][i];
-}
-
 Eigen::VectorXd AveragedFalloff(const Observations& pixels, const Scene& scene,
                                 EvaluateOptions options) {
   // An edge of a shadow is another matter.
@@ -163,29 +119,30 @@ Eigen::VectorXd AveragedFalloff(const Observations& pixels, const Scene& scene,
 }  // namespace
 
 Unmodelled TryUnmodelled(const Observations& observations, const Solution& solution) {
-  const Observations sample = Subsample(observations, kPixels, 3);
+  // Edges of shadows are not in the fit.
+  const Observations sample =
+      EvenSubsample(observations, kPixels, 3, solution.evaluate.shadows.usable.get());
   const Scene& scene = solution.scene;
   EvaluateOptions options;
   options.huber = solution.evaluate.huber;
-  options.samples_per_side = FootprintSamples(sample, scene.reflectance.shininess);
+  options.samples_per_side = FootprintSamples(sample, scene.reflectance.shininess, 2);
   options.shadows = CastShadows(sample, scene);
   Unmodelled out;
   out.as_modelled = Evaluate(sample, scene, options);
-  options.gradient_only = true;
-  const TiltResponse tilts = TiltNormals(sample, scene, options, out.as_modelled);
+  const EffectProbe probe(sample, scene, options);
+  const TiltResponse tilts = TiltNormals(sample, scene, options, probe);
   out.tilts = tilts.effects;
-  out.normal_variance = NormalVariance(sample, Predict(sample, scene, options), tilts.by_any);
+  out.normal_variance = NormalVariance(sample, probe.model(), tilts.by_any);
   out.straightened = FitTilts(sample, solution, options, out.as_modelled, tilts);
   out.falloff = AveragedFalloff(sample, scene, options);
-  out.aperture = CentralEffect(
-      [&](double by) {
-        EvaluateOptions changed = options;
-        changed.aperture *= 1.0 + by;
-        return Evaluate(sample, scene, changed);
-      },
-      out.as_modelled, kApertureStep);
-  AddExtents(sample, scene, options, out);
-  AddLight(sample, scene, options, out);
+  EvaluateOptions wider = options, narrower = options;
+  wider.aperture *= 1.0 + kApertureStep;
+  narrower.aperture *= 1.0 - kApertureStep;
+  Prediction change = Predict(sample, scene, wider);
+  AddTimes(-1.0, Predict(sample, scene, narrower), change);
+  out.aperture = probe.Of(change, 0.5 / kApertureStep);
+  AddExtents(sample, scene, options, probe, out);
+  AddLight(sample, scene, options, probe, out);
   return out;
 }
 

@@ -35,7 +35,7 @@ struct Unmodelled {
   double normal_variance = 0.0;
 };
 
-// On at most 20 000 of the pixels.
+// On at most 50 000 of the pixels.
 Unmodelled TryUnmodelled(const Observations& observations, const Solution& solution);
 
 }  // namespace turnlight::estimator

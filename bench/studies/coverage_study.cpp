@@ -18,6 +18,7 @@ constexpr int kDraws = 20;
 constexpr int kNumbersPerScene = 10;  // the first that fits is taken
 constexpr std::size_t kMostLights = 4;
 constexpr double kLeastNoise = 0.002;
+constexpr double kMostlyOpen = 10.0;       // sigma_total over sigma_stat
 constexpr int kWidth = 120, kHeight = 90;  // small pictures: the noise counts, and it is quick
 constexpr std::uint64_t kNoiseStream = std::uint64_t{1} << 52;
 
@@ -119,8 +120,12 @@ class Collector {
       if (quantity.name == "direction" || quantity.name == "distance") continue;
       // A distant light's rho has its truth at the bound of 0: half of its errors are 0.
       const bool at_bound = quantity.name == "inverse_distance" && quantity.truth == 0.0;
-      Values& values = values_[{quantity.name + (at_bound ? "_distant" : ""), quantity.light}];
       const double sigma = quantity.sigma.value_or(NAN);
+      // What the scene leaves open, as roughness on a board under one light, is wrong by the same
+      // in every draw: noise does not test it.
+      const bool open = quantity.sigma_stat && sigma > kMostlyOpen * *quantity.sigma_stat;
+      const char* const kind = at_bound ? "_distant" : open ? "_open" : "";
+      Values& values = values_[{quantity.name + kind, quantity.light}];
       values.in_sigmas.push_back(quantity.Error() / sigma);
       if (quantity.sigma_stat)
         values.in_stat_sigmas.push_back(quantity.Error() / *quantity.sigma_stat);

@@ -67,18 +67,19 @@ Summary SummariseCoverage(const StudyFile& file) {
                      draws, wrong);
   Accept(out, "draws with the right number of lights", static_cast<std::size_t>(draws - wrong),
          static_cast<std::size_t>(draws), 0.95);
-  out.text += "  sigma_total         values  within 1 sigma                    within 1.96 sigma\n";
+  out.text +=
+      "  sigma_total               values  within 1 sigma                    within 1.96 sigma\n";
   std::string stat = "  sigma_stat\n";
   for (const auto& [name, errors] : by_name) {
     bool first = true, second = true;
     const std::string row = Share(errors.total, 1.0, kSixtyEight, first) +
                             Share(errors.total, 1.96, kNinetyFive, second);
-    const bool counts =
-        name != "shininess" && name != "roughness_deg" && name != "inverse_distance_distant";
+    const bool counts = name != "shininess" && name != "roughness_deg" &&
+                        name != "inverse_distance_distant" && !name.ends_with("_open");
     if (counts) out.accepted &= first && second;
-    out.text += Format("  %-18s %6zu", name.c_str(), errors.total.size()) + row + "\n";
+    out.text += Format("  %-24s %6zu", name.c_str(), errors.total.size()) + row + "\n";
     if (!errors.stat.empty())
-      stat += Format("  %-18s %6zu", name.c_str(), errors.stat.size()) +
+      stat += Format("  %-24s %6zu", name.c_str(), errors.stat.size()) +
               Share(errors.stat, 1.0, kSixtyEight, first) +
               Share(errors.stat, 1.96, kNinetyFive, second) + "\n";
   }

@@ -142,16 +142,19 @@ TURNLIGHT_INLINE Term<Real> SpecularMean(const KernelModel& model, const Block<R
   return mean;
 }
 
-// Whether the lobe reaches any pixel of the block: beyond exp(-40) it is exactly zero.
+// Whether the lobe reaches any pixel of the block: beyond exp(-40) it is exactly zero. Two samples
+// a side are for footprints of at most half the lobe's half-width (FootprintSamples), by which
+// exp(-60) at the centre is beyond exp(-40) at all of them.
 template <typename Real>
 TURNLIGHT_INLINE bool LobeReaches(const KernelModel& model, const Block<Real>& block,
                                   const Vector3<Real>& l, int samples) {
-  if (samples > 1 || model.specular_model != Specular::kPhong) return true;
+  if (samples > 2 || model.specular_model != Specular::kPhong) return true;
   using L = Lanes<Real>;
   // log(1 - c) <= -c, so n c > 40 is beyond reach.
+  const double beyond = samples == 1 ? 40.0 : 60.0;
   const Vector3<Real> chord = l - block.mirrored;
   const auto c = Real(0.5) * chord.Dot(chord);
-  return L::Any(L::Splat(model.shininess) * c < L::Splat(40.0));
+  return L::Any(L::Splat(model.shininess) * c < L::Splat(beyond));
 }
 
 // Rows of a tile. Each row has kTilePixels scalars: a_i and b_i of the shared parameters (each set

@@ -132,6 +132,25 @@ TEST(BrokenPixels, FlooredWhereTheMeanIsNearTheFloor) {
     }
 }
 
+// Where the noise is cut off everywhere, none is left that its own noise took over the limit: the
+// mean of those would be too bright.
+TEST(BrokenPixels, NoFlooredPixelIsKeptForBeingBright) {
+  const auto dark = [](int column) { return column < 60; };
+  cv::Mat1f picture = Picture(
+      kNoise, 11, [&](int, int column) { return dark(column) ? 1.7 * kNoise : 30.0 * kNoise; });
+  picture = cv::max(picture, 0.0f);
+  const cv::Mat1b broken = FindBrokenPixels(picture, WholeTarget());
+  for (int row = 4; row < kRows - 4; ++row)
+    for (int column = 4; column < kColumns; ++column) {
+      if (column < 56) {
+        EXPECT_EQ(broken(row, column), kFloored) << row << " " << column;
+      }
+      if (column >= 64) {
+        EXPECT_EQ(broken(row, column), 0) << row << " " << column;
+      }
+    }
+}
+
 // Half the picture is black: the dark side of a ball without noise. That is what the ball sent.
 TEST(BrokenPixels, WithoutNoiseNothingIsFloored) {
   const cv::Mat1f picture =

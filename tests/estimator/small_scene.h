@@ -19,7 +19,6 @@ inline rig::SyntheticConfig SmallBall(std::vector<rig::LightSpec> lights,
   config.camera = {.width = 120, .height = 90, .focal_px = 300.0, .distortion = {}};
   config.lights = std::move(lights);
   config.reflectance = reflectance;
-  config.samples_per_side = 3;
   return config;
 }
 

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "base/angles.h"
 #include "estimator/estimate.h"
@@ -305,6 +307,72 @@ TEST(Sigmas, ABoardThatMayBeRoughSaysSo) {
     const double error = std::abs(e.lights[0].diffuse_product[c] - truth);
     EXPECT_LT(error, 3.0 * e.lights[0].diffuse_product_sigma[c]);
     EXPECT_GT(error, 0.1 * truth) << "too small a difference to tell anything";
+  }
+}
+
+// All quantities that the two have, in sigmas; the lights in their order of intensity.
+double WorstInSigmas(const Estimate& e, const rig::SyntheticSession& session) {
+  double worst = 0.0;
+  const auto take = [&](double error, double sigma) {
+    worst = std::max(worst, std::abs(error) / sigma);
+  };
+  const Reflectance& truth = session.scene.reflectance;
+  for (std::size_t i = 0; i < e.lights.size(); ++i) {
+    const Light& light = session.scene.lights[i];
+    const LightEstimate& found = e.lights[i];
+    take(DegToRad(AngleDeg(found.light.direction, light.direction)), found.direction_sigma);
+    take(found.light.inverse_distance - light.inverse_distance, found.inverse_distance_sigma);
+    take(found.specular_product - truth.specular * light.intensity, found.specular_product_sigma);
+    for (int c = 0; c < 3; ++c)
+      take(found.diffuse_product[c] - truth.albedo[c] * truth.diffuse * light.intensity,
+           found.diffuse_product_sigma[c]);
+  }
+  for (int c = 0; c < 3; ++c)
+    take(e.ambient_product[c] - truth.albedo[c] * truth.ambient, e.ambient_product_sigma[c]);
+  take(e.reflectance.shininess - truth.shininess, e.sigma.shininess.value_or(0.0));
+  return worst;
+}
+
+// One thing each that the model does not have.
+TEST(Sigmas, CoverWhatTheModelLeavesOut) {
+  struct Case {
+    const char* name;
+    std::function<void(rig::SyntheticConfig&)> scene;
+    std::function<void(rig::SyntheticSession&)> pictures;
+  };
+  const auto nothing = [](auto&) {};
+  const std::vector<Case> cases = {
+      {"pixels of no width",
+       [](rig::SyntheticConfig& c) {
+         c.samples_per_side = 1;
+         c.sensor.noise_relative = 0.0;
+       },
+       nothing},
+      {"a light half a radius above the surface",
+       [](rig::SyntheticConfig& c) { LightsOf(c)[0].distance = 75.0; }, nothing},
+      {"a pattern of 5 %", nothing,
+       [](rig::SyntheticSession& s) {
+         for (rig::SyntheticFrame& frame : s.frames)
+           for (int row = 0; row < frame.image.rows; ++row)
+             for (int column = 0; column < frame.image.cols; ++column)
+               if (std::sin(0.4 * row + 2.0 * std::sin(0.3 * column)) > 0.6)
+                 for (int c = 0; c < 3; ++c) {
+                   std::uint16_t& v = frame.image.at<cv::Vec3w>(row, column)[c];
+                   v = static_cast<std::uint16_t>(6000.0 + 0.95 * (v - 6000.0));
+                 }
+       }},
+  };
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.name);
+    rig::SyntheticConfig config = TwoLightBall(4, 0.002, 0.1);
+    one.scene(config);
+    auto session = rig::SynthesizeInMemory(config);
+    ASSERT_TRUE(session) << session.error().text;
+    one.pictures(*session);
+    const auto output = EstimateFrom(*session);
+    ASSERT_TRUE(output) << output.error().text;
+    ASSERT_EQ(output->estimate.lights.size(), session->scene.lights.size());
+    EXPECT_LT(WorstInSigmas(output->estimate, *session), 4.0);
   }
 }
 
