@@ -97,6 +97,13 @@ std::string Announce(const Prepared& run, const RunFolder& folder,
                          : text + Format(", going on at %.10g\u00b0", missing.front().angle_deg);
 }
 
+// A device that does not open: what to do, and what has become of the run.
+Error NotThere(Error error, Start start) {
+  error.text += "; check its cable and power, then give the same command again: ";
+  error.text += start == Start::kNew ? "nothing was written" : "what was taken is safe";
+  return error;
+}
+
 // config_file is read, and everything that can be refused is, before anything is written.
 Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, Start start,
                          CaptureGoal goal) {
@@ -110,7 +117,7 @@ Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, S
   if (const auto graph = BuildGraph(run.config, run.rig, {}); !graph) return Forward(graph);
   if (goal == CaptureGoal::kSession) RemoveNodes(run.config.graph, "estimator");
   const auto identity = OpenRig(run.rig);
-  if (!identity) return Forward(identity);
+  if (!identity) return tl::unexpected<Error>(NotThere(identity.error(), start));
 
   if (const Status status = MakeDirectory(folder.root()); !status) return Forward(status);
   auto lock = LockFile::Take(folder.lock(), folder.root().string() + ": another run writes here");
