@@ -10,8 +10,6 @@
 
 namespace turnlight::estimator {
 
-using Prediction = std::vector<std::vector<float>>;  // as Predict's: channels x pixels
-
 // to += factor * what.
 void AddTimes(double factor, const Prediction& what, Prediction& to);
 

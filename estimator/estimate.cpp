@@ -406,7 +406,6 @@ Result<Estimate> EstimateObservations(const Observations& all,
   estimate.views = static_cast<int>(signatures.size());
   estimate.distinct_views = DistinctViews(signatures, noise);
   SolveOptions solve;
-  solve.max_iterations = options.max_iterations;
   if (estimate.distinct_views > 0)
     solve.redundancy = static_cast<double>(estimate.views) / estimate.distinct_views;
   Refined result = Refine(all, start, noise, solve, options.model, estimate.ladder);

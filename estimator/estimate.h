@@ -25,8 +25,7 @@ struct EstimateOptions {
   std::optional<InitialGuess> initial;
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<Scene> warm_start;
-  int max_iterations = 100;  // of each full solve
-  ModelChoice model;         // with a start or without
+  ModelChoice model;  // with a start or without
   // Given: the published method instead; everything above is ignored.
   std::optional<PaperOptions> paper;
 };

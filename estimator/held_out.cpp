@@ -11,9 +11,9 @@ namespace {
 constexpr double kLeastShare = 0.002, kPlain = 3.0;
 
 struct Fit {
-  std::vector<std::vector<float>> model;  // per channel
-  double square = 0.0;                    // sum of squared residuals
-  double sum = 0.0;                       // of the model's radiance
+  Prediction model;
+  double square = 0.0;  // sum of squared residuals
+  double sum = 0.0;     // of the model's radiance
 };
 
 Fit Explain(const Observations& pixels, const Scene& scene) {

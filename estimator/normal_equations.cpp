@@ -264,11 +264,11 @@ NormalEquations EvaluateDouble(const Observations& observations, const Scene& sc
   return EvaluateWith<double>(observations, scene, options, kernel::AccumulateInDouble);
 }
 
-std::vector<std::vector<float>> Predict(const Observations& observations, const Scene& scene,
-                                        const EvaluateOptions& options) {
+Prediction Predict(const Observations& observations, const Scene& scene,
+                   const EvaluateOptions& options) {
   const KernelScene kernel_scene(observations, scene, {});
-  std::vector<std::vector<float>> out(static_cast<std::size_t>(observations.channels),
-                                      std::vector<float>(observations.size()));
+  Prediction out(static_cast<std::size_t>(observations.channels),
+                 std::vector<float>(observations.size()));
   const std::size_t per_chunk = TilesPerChunk(observations.tiles());
   const std::size_t chunks = (observations.tiles() + per_chunk - 1) / per_chunk;
   ParallelFor(chunks, [&](std::size_t chunk) {

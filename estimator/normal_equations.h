@@ -69,9 +69,12 @@ Eigen::MatrixXd TileGradients(const Observations& observations, const Scene& sce
 NormalEquations EvaluateDouble(const Observations& observations, const Scene& scene,
                                const EvaluateOptions& options);
 
-// Model radiance of every observation, channel by channel, in the observations' order.
-std::vector<std::vector<float>> Predict(const Observations& observations, const Scene& scene,
-                                        const EvaluateOptions& options);
+// Radiance of every observation, channel by channel, in the observations' order.
+using Prediction = std::vector<std::vector<float>>;
+
+// The model's radiances; 0 where an observation is not usable.
+Prediction Predict(const Observations& observations, const Scene& scene,
+                   const EvaluateOptions& options);
 
 // How many values, pixels times channels, a cost is a sum over.
 double ValueCount(const Observations& observations, const EvaluateOptions& options);

@@ -9,7 +9,7 @@
 namespace turnlight::estimator {
 namespace {
 
-float Grey(const std::vector<std::vector<float>>& model, std::size_t i) {
+float Grey(const Prediction& model, std::size_t i) {
   float sum = 0.0f;
   for (const auto& channel : model) sum += channel[i];
   return sum;
@@ -64,8 +64,7 @@ NormalEquations WithAlternatives(const Observations& all, const Solution& soluti
 
 // From pixels this far apart in a row: what a sensor's interpolation spreads is nearer, and most
 // patterns reach further.
-double Texture(const Observations& all, const std::vector<std::vector<float>>& model,
-               const Plane& usable) {
+double Texture(const Observations& all, const Prediction& model, const Plane& usable) {
   constexpr std::size_t kApart = 3;
   constexpr double kSigmas = 4.0;
   constexpr double kLeast = 1e-3;  // less is in any picture: quantisation

@@ -99,7 +99,6 @@ Eigen::VectorXd AveragedFalloff(const Observations& pixels, const Scene& scene,
                                 EvaluateOptions options) {
   // An edge of a shadow is another matter.
   options.shadows.usable = AwayFromTerminators(pixels, scene.lights, kNearEdge);
-  const Eigen::VectorXd gradient = Evaluate(pixels, scene, options).gradient;
   Scene diffuse = scene;
   diffuse.reflectance.specular_model = SpecularModel::kNone;
   diffuse.reflectance.specular = 0.0;
@@ -110,10 +109,7 @@ Eigen::VectorXd AveragedFalloff(const Observations& pixels, const Scene& scene,
   for (const std::size_t first : {0u, 3u})
     for (const double side : {h, -h}) AddTimes(0.5, predict(Shifted(pixels, first, side)), change);
   AddTimes(-3.0, predict(pixels), change);
-  Observations closer = pixels;
-  for (std::size_t c = 0; c < change.size(); ++c)
-    for (std::size_t i = 0; i < change[c].size(); ++i) closer.radiance[c][i] -= change[c][i];
-  return Evaluate(closer, scene, options).gradient - gradient;
+  return EffectProbe(pixels, scene, options).Of(change, 1.0).mixed;
 }
 
 }  // namespace
