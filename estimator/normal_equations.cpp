@@ -266,7 +266,7 @@ NormalEquations EvaluateDouble(const Observations& observations, const Scene& sc
 
 Prediction Predict(const Observations& observations, const Scene& scene,
                    const EvaluateOptions& options) {
-  const KernelScene kernel_scene(observations, scene, {});
+  const KernelScene kernel_scene(observations, scene, options);
   Prediction out(static_cast<std::size_t>(observations.channels),
                  std::vector<float>(observations.size()));
   const std::size_t per_chunk = TilesPerChunk(observations.tiles());

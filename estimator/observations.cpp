@@ -72,6 +72,12 @@ class FrameTracer {
     if (!left || !right || !up || !down) return pixel;
     pixel.normal = R_WT * MeanOver(center->point.normal, left->point.normal, right->point.normal,
                                    up->point.normal, down->point.normal);
+    const Vector3d& n = center->point.normal;
+    const Vector3d bend =
+        MeanOver(center->point.position, left->point.position, right->point.position,
+                 up->point.position, down->point.position) -
+        center->point.position;
+    pixel.position = keyframe_.X_WT * (center->point.position + bend - n.dot(bend) * n);
     pixel.mirrored = R_WT * MeanOver(center->mirrored_T, left->mirrored_T, right->mirrored_T,
                                      up->mirrored_T, down->mirrored_T)
                                 .normalized();

@@ -339,9 +339,16 @@ TEST(Sigmas, CoverWhatTheModelLeavesOut) {
     const char* name;
     std::function<void(rig::SyntheticConfig&)> scene;
     std::function<void(rig::SyntheticSession&)> pictures;
+    double most = 4.0;  // sigmas
   };
   const auto nothing = [](auto&) {};
   const std::vector<Case> cases = {
+      {"pixels that average over less",
+       [](rig::SyntheticConfig& c) {
+         c.samples_per_side = 3;
+         c.sensor.noise_relative = 0.0;
+       },
+       nothing},
       {"a light half a radius above the surface",
        [](rig::SyntheticConfig& c) { LightsOf(c)[0].distance = 75.0; }, nothing},
       {"a pattern of 5 %", nothing,
@@ -354,7 +361,8 @@ TEST(Sigmas, CoverWhatTheModelLeavesOut) {
                    std::uint16_t& v = frame.image.at<cv::Vec3w>(row, column)[c];
                    v = static_cast<std::uint16_t>(6000.0 + 0.95 * (v - 6000.0));
                  }
-       }},
+       },
+       5.0},  // it is the same in every view, which sigma knows only in part
   };
   for (const Case& one : cases) {
     SCOPED_TRACE(one.name);
@@ -366,7 +374,7 @@ TEST(Sigmas, CoverWhatTheModelLeavesOut) {
     const auto output = EstimateFrom(*session);
     ASSERT_TRUE(output) << output.error().text;
     ASSERT_EQ(output->estimate.lights.size(), session->scene.lights.size());
-    EXPECT_LT(WorstInSigmas(output->estimate, *session), 5.0);
+    EXPECT_LT(WorstInSigmas(output->estimate, *session), one.most);
   }
 }
 

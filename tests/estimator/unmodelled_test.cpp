@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "base/angles.h"
@@ -68,6 +69,28 @@ TEST(Unmodelled, ALightOfSomeExtentHasItsVariance) {
   const Effect& extent = unmodelled.extents[0];
   // To first order: the lobe's fourth derivative is a tenth of it here.
   EXPECT_NEAR(-extent.slope / extent.curvature, kApart * kApart, 0.15 * kApart * kApart);
+}
+
+// Pictures of pixels that average over nine tenths of the width.
+TEST(Unmodelled, AnotherApertureIsToldByHowMuch) {
+  constexpr double kShare = 0.9;
+  const Scene scene = TwoLights();
+  RandomObservations random(20 * kTile, 3, 3, &scene);
+  Observations& all = random.observations;
+  // The mirrored ray changes by an eighth and a quarter of a radian across a pixel.
+  std::fill(all.footprint[0].begin(), all.footprint[0].end(), ToBFloat16(0.125f));
+  std::fill(all.footprint[4].begin(), all.footprint[4].end(), ToBFloat16(0.25f));
+  EvaluateOptions narrower;
+  narrower.samples_per_side.assign(all.tiles(), 2);
+  narrower.aperture *= kShare;
+  const Prediction pictures = Predict(all, scene, narrower);
+  for (std::size_t c = 0; c < pictures.size(); ++c) all.radiance[c] = pictures[c];
+  Solution solution;
+  solution.scene = scene;
+  solution.held.assign(static_cast<std::size_t>(Columns{3, 2}.count()), false);
+  const Effect aperture = TryUnmodelled(all, solution).aperture;
+  ASSERT_GT(aperture.curvature, 0.0);
+  EXPECT_NEAR(-aperture.slope / aperture.curvature, kShare - 1.0, 0.01);
 }
 
 TEST(Unmodelled, OneMoreLightIsFoundWhereItIs) {
