@@ -72,7 +72,7 @@ class FrameTracer {
     if (!left || !right || !up || !down) return pixel;
     pixel.normal = R_WT * MeanOver(center->point.normal, left->point.normal, right->point.normal,
                                    up->point.normal, down->point.normal);
-    const Vector3d& n = center->point.normal;
+    const Vector3d& n = center->point.geometric_normal;
     const Vector3d bend =
         MeanOver(center->point.position, left->point.position, right->point.position,
                  up->point.position, down->point.position) -

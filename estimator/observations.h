@@ -47,8 +47,8 @@ struct Observations {
 
   // Normal and mirrored direction are means over the pixel's footprint; so the normal is a little
   // shorter than 1 where the surface bends, and n.l is the mean of Lambert's term. The position is
-  // the mean too, put back on the surface along the normal: where the surface bends the mean lies
-  // below it.
+  // the mean too, put back on the surface along the face's normal: where the surface bends the mean
+  // lies below it.
   std::array<std::vector<float>, 3> position;  // x: (p_W - reference) / R
   std::array<std::vector<float>, 3> normal;    // W axes
   std::array<std::vector<float>, 3>

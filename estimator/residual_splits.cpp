@@ -92,21 +92,17 @@ double Texture(const Observations& all, const Prediction& model, const Plane& us
 
 ResidualSplits SplitResiduals(const Observations& all, const Solution& solution) {
   ResidualSplits out;
-  const Eigen::MatrixXd tiles = TileGradients(all, solution.scene, solution.evaluate);
-  out.clusters = tiles * tiles.transpose();
-  out.cluster_count = static_cast<std::size_t>(tiles.cols());
-
+  out.clusters = TileGradients(all, solution.scene, solution.evaluate);
+  const Eigen::MatrixXd& tiles = out.clusters;
   const std::size_t views = all.tile_begin.size() - 1;
   if (views > 1) {
-    Eigen::MatrixXd at = Eigen::MatrixXd::Zero(tiles.rows(), kPlaces);
+    out.places = Eigen::MatrixXd::Zero(tiles.rows(), kPlaces);
     for (std::size_t k = 0; k < views; ++k) {
       const std::size_t begin = all.tile_begin[k], count = all.tile_begin[k + 1] - begin;
       for (std::size_t t = 0; t < count; ++t)
-        at.col(static_cast<Eigen::Index>(t * kPlaces / count)) +=
+        out.places.col(static_cast<Eigen::Index>(t * kPlaces / count)) +=
             tiles.col(static_cast<Eigen::Index>(begin + t));
     }
-    out.places = at * at.transpose();
-    out.place_count = kPlaces;
   }
   const auto of_views = [&](const std::function<bool(std::size_t)>& chosen) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(tiles.rows());

@@ -14,13 +14,11 @@ namespace turnlight::estimator {
 
 // Gradients of the cost by the solver's columns (see Columns).
 struct ResidualSplits {
-  // Sum over tiles of g g^T: neighbouring pixels, whose residuals may go together, count as one.
+  // Of each tile, a column: neighbouring pixels, whose residuals may go together, count as one.
   Eigen::MatrixXd clusters;
-  std::size_t cluster_count = 0;
-  // The same over places in the pictures, each summed over the views: what stays with the picture,
-  // as dirt on the lens or uneven gain, goes together from view to view. Nothing with one view.
+  // The same of places in the pictures, each summed over the views: what stays with the picture,
+  // as dirt on the lens or uneven gain, goes together from view to view. Empty with one view.
   Eigen::MatrixXd places;
-  std::size_t place_count = 0;
   // The gradient of one half of the observations; of the other half it is the opposite. Halves: odd
   // and even views, early and late views, centre and rim of the target, bright and dark, and by the
   // side to which the surface faces.

@@ -9,8 +9,8 @@ namespace {
 
 // Halves share some of the model's errors, which their difference does not show.
 constexpr double kCommon = 2.0;
-constexpr double kChanceSigmas = 3.0;  // of a variance that so many clusters tell
-constexpr double kExtraSigmas = 2.0;
+constexpr double kChanceSigmas = 3.0;     // what noise alone may show of one number
+constexpr double kBeyondChance = 4.0;     // of a variance, whatever it was estimated from
 constexpr double kSearchedSigmas = 4.0;   // of the best of many
 constexpr double kCommonRoughness = 0.5;  // radians
 constexpr double kUndecided = 1e-5;       // of a column's curvature, beside all others
@@ -18,7 +18,7 @@ constexpr double kTold = 0.02;            // of a tilt's curvature, beside every
 constexpr double kMostWider = 0.95;       // of a lobe's variance that normals make
 constexpr double kToldApart = 1e-5;       // of another effect's
 constexpr double kExplained = 0.02;       // of the residual variance, by a tilt that counts
-constexpr double kJointSigmas = 4.0, kOwnSigmas = 3.0;  // what a split may show by noise alone
+constexpr double kJointSigmas = 4.0;      // what noise may show of all numbers of a split
 
 // What makes sigmas of gradients.
 struct Scales {
@@ -41,7 +41,7 @@ void AddHalf(const Eigen::VectorXd& gradient, const Scales& scales, Parts& out) 
   const double all = chi > expected ? 1.0 - expected / chi : 0.0;
   Eigen::VectorXd shift = scales.jacobian * (scales.inverse * gradient);
   for (Eigen::Index q = 0; q < shift.size(); ++q) {
-    const double noise = kOwnSigmas * kOwnSigmas * out.stat(q, q);
+    const double noise = kChanceSigmas * kChanceSigmas * out.stat(q, q);
     const double square = shift[q] * shift[q];
     shift[q] *= kCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
   }
@@ -73,7 +73,7 @@ void AddEdges(const NormalEquations& all, const NormalEquations& edges, const Sc
     // Of noise alone the change has the variance of the rest's answer less that of the whole's.
     const Eigen::VectorXd row = scales.jacobian.row(q);
     const double of_rest = scales.covariance.variance * scales.together * row.dot(rest.Solve(row));
-    const double noise = kExtraSigmas * kExtraSigmas * std::max(of_rest - out.stat(q, q), 0.0);
+    const double noise = kChanceSigmas * kChanceSigmas * std::max(of_rest - out.stat(q, q), 0.0);
     const double square = std::max(shift[q] * shift[q], 1e-300);
     shift[q] *= std::sqrt(std::max(1.0 - noise / square, 0.0));
   }
@@ -95,7 +95,7 @@ double Significance(const Extra& extra, const Scales& scales) {
 
 // What the unknowns would change by if it were free, as far as that is more than noise.
 void AddExtra(const Extra& extra, const Scales& scales, Parts& out) {
-  const double noise = kExtraSigmas * kExtraSigmas;
+  const double noise = kChanceSigmas * kChanceSigmas;
   const double significance = Significance(extra, scales);
   if (significance <= noise) return;
   AddShift(std::sqrt(1.0 - noise / significance) * extra.slope / extra.curvature *
@@ -214,17 +214,22 @@ void AddAlternatives(const NormalEquations& equations, const Columns& columns,
   }
 }
 
-// Clustered: where the residuals of neighbours go together by more than chance, variances are
-// larger.
-void AllowForClusters(const Eigen::MatrixXd& outer, std::size_t clusters, const Scales& scales,
-                      Parts& out) {
-  const double chance = 1.0 + kChanceSigmas * std::sqrt(2.0 / static_cast<double>(clusters));
+// Where the residuals of neighbours go together by more than chance, variances are larger: the
+// clustered ("sandwich") estimate from the gradients of clusters, one in each column. Its own
+// variance, if the gradients are normal, is two thirds of the sum of their fourth powers, which for
+// a small highlight is that of the few clusters that see it.
+void AllowForClusters(const Eigen::MatrixXd& gradients, const Scales& scales, Parts& out) {
   const Eigen::MatrixXd carried = scales.jacobian * scales.inverse;
-  const Eigen::VectorXd sandwich = (carried * outer * carried.transpose()).diagonal();
-  const Eigen::VectorXd more =
-      (sandwich.array() / out.stat.diagonal().array().max(1e-300)).unaryExpr([&](double ratio) {
-        return ratio > chance ? std::sqrt(ratio) : 1.0;
-      });
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(carried.rows()), fourths = squares;
+  for (Eigen::Index k = 0; k < gradients.cols(); ++k) {
+    const Eigen::ArrayXd square = (carried * gradients.col(k)).array().square();
+    squares += square;
+    fourths += square.square();
+  }
+  const Eigen::ArrayXd stat = out.stat.diagonal().array().max(1e-300);
+  const Eigen::ArrayXd chance =
+      (stat + kChanceSigmas * (2.0 / 3.0 * fourths).sqrt()).min(kBeyondChance * stat);
+  const Eigen::VectorXd more = (squares > chance).select((squares / stat).sqrt(), 1.0).matrix();
   out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
 }
 
@@ -239,17 +244,21 @@ Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSp
   const std::vector<int>& unknowns = covariance.unknowns;
   if (unknowns.empty() || !(covariance.variance > 0.0)) return out;
   Scales scales{covariance, jacobian, covariance.matrix / covariance.variance};
-  const auto corrected = [&](const Eigen::MatrixXd& sum, std::size_t count) {
-    const double clusters = static_cast<double>(count);
-    return Eigen::MatrixXd(sum(unknowns, unknowns) * (clusters / std::max(clusters - 1.0, 1.0)));
+  // As many as they are, they have one mean less to vary about.
+  const auto corrected = [&](const Eigen::MatrixXd& gradients) {
+    const double count = static_cast<double>(gradients.cols());
+    return Eigen::MatrixXd(gradients(unknowns, Eigen::all) *
+                           std::sqrt(count / std::max(count - 1.0, 1.0)));
   };
-  const Eigen::MatrixXd outer = redundancy * corrected(splits.clusters, splits.cluster_count);
-  AllowForClusters(outer, splits.cluster_count, scales, out);
+  const Eigen::MatrixXd clusters = std::sqrt(redundancy) * corrected(splits.clusters);
+  AllowForClusters(clusters, scales, out);
   // Views that repeat are together in a place already.
-  if (splits.place_count > 0)
-    AllowForClusters(corrected(splits.places, splits.place_count), splits.place_count, scales, out);
+  if (splits.places.cols() > 0) AllowForClusters(corrected(splits.places), scales, out);
   const double count = static_cast<double>(unknowns.size());
-  scales.together = std::max((scales.inverse * outer).trace() / (count * covariance.variance), 1.0);
+  scales.together =
+      std::max((clusters.transpose() * scales.inverse).cwiseProduct(clusters.transpose()).sum() /
+                   (count * covariance.variance),
+               1.0);
 
   const Eigen::VectorXd whole = solution.equations.gradient(unknowns);
   for (const Eigen::VectorXd& half : splits.halves)

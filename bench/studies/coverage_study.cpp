@@ -1,6 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/angles.h"
 #include "base/format.h"
@@ -81,18 +82,25 @@ class Camera {
 struct Tangent {
   std::vector<Eigen::Vector2d> errors;  // radians
   std::vector<double> sigmas;           // radians; NaN where null
+  // Stated, of the position, which is the direction's but for the scale; none for a distant light.
+  std::vector<std::optional<Eigen::Matrix2d>> covariances;
 };
 
-// The stated sigma of a direction is that of its worst axis. Which axis that is the other draws
-// tell: the principal axis of their errors. Then the error along it is one number with one sigma.
+Eigen::Vector2d PrincipalAxis(const Eigen::Matrix2d& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvectors().col(1);
+}
+
+// The stated sigma of a direction is that of its worst axis. Along that axis the error is one
+// number with one sigma. Which axis it is the stated covariance tells, and where there is none the
+// errors of the other draws.
 std::vector<double> AlongWorstAxis(const Tangent& tangent) {
   std::vector<double> out;
   for (std::size_t i = 0; i < tangent.errors.size(); ++i) {
     Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
     for (std::size_t j = 0; j < tangent.errors.size(); ++j)
       if (j != i) scatter += tangent.errors[j] * tangent.errors[j].transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter);
-    out.push_back(solver.eigenvectors().col(1).dot(tangent.errors[i]) / tangent.sigmas[i]);
+    const Eigen::Vector2d axis = PrincipalAxis(tangent.covariances[i].value_or(scatter));
+    out.push_back(axis.dot(tangent.errors[i]) / tangent.sigmas[i]);
   }
   return out;
 }
@@ -114,7 +122,7 @@ class Collector {
     }
     for (const Match& match : MatchLights(truth, found))
       AddDirection(static_cast<int>(match.truth), truth[match.truth], found[match.found],
-                   result["lights"][match.found]["direction_sigma_deg"]);
+                   result["lights"][match.found]);
     for (const Json& json : record["quantities"]) {
       const Quantity quantity = QuantityFromJson(json);
       if (quantity.name == "direction" || quantity.name == "distance") continue;
@@ -156,11 +164,22 @@ class Collector {
   }
 
   void AddDirection(int light, const Eigen::Vector3d& truth, const Eigen::Vector3d& found,
-                    const Json& sigma_deg) {
-    const Eigen::Vector3d across = truth.unitOrthogonal(), up = truth.cross(across);
+                    const Json& stated) {
+    const Json& sigma_deg = stated["direction_sigma_deg"];
+    const Json& covariance = stated["position_covariance"];
+    Eigen::Matrix<double, 3, 2> basis;
+    basis.col(0) = truth.unitOrthogonal();
+    basis.col(1) = truth.cross(basis.col(0));
     Tangent& tangent = directions_[light];
-    tangent.errors.emplace_back(across.dot(found), up.dot(found));
+    tangent.errors.push_back(basis.transpose() * found);
     tangent.sigmas.push_back(sigma_deg.is_number() ? DegToRad(sigma_deg.get<double>()) : NAN);
+    tangent.covariances.emplace_back();
+    if (!covariance.is_array()) return;
+    Eigen::Matrix3d position;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        position(row, column) = covariance[row][column].get<double>();
+    tangent.covariances.back() = basis.transpose() * position * basis;
   }
 
   const estimator::Scene& truth_;

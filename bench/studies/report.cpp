@@ -207,10 +207,10 @@ Status WriteReport(const std::filesystem::path& results, const std::filesystem::
         "The random scenes, each light's direction given 10 to 70 degrees off."},
        {"coverage", "Do the intervals hold the truth?",
         "20 draws of noise each; in brackets the band that holds 99 % of the binomial "
-        "distribution. The error of a direction is taken along its worst axis. `_open`: "
-        "sigma_total is more than ten times sigma_stat, for what the scene leaves open (a board "
-        "under "
-        "one light may be rough): its error is the same in every draw, which noise cannot test; "
+        "distribution. The error of a direction is taken along the worst axis of its stated "
+        "covariance (of a distant light, of the other draws' errors). `_open`: sigma_total is more "
+        "than ten times sigma_stat, for what the scene leaves open (a board under one light may be "
+        "rough): its error is the same in every draw, which noise cannot test; "
         "`_distant`: the truth is at the bound 0."},
        {"sessions", "Pictures that other programs made, and photographs",
         "They are not part of the repository."}}};
