@@ -52,7 +52,8 @@ Candidate WithLobe(Candidate candidate, SpecularModel model) {
 }
 
 // Whether a is to be preferred. The simpler model is better unless the other makes the excess
-// variance smaller: three times for each light, 1.25 times for a rough surface.
+// variance smaller: three times for each light, 1.25 times for a rough surface. Of the same surface
+// three times will do for all lights together: each was needed already in its own fit.
 bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
   const auto count = [](const Candidate& c) { return static_cast<int>(c.scene.lights.size()); };
   if (sample.choice.lights) {
@@ -61,26 +62,31 @@ bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
     if (off_a != off_b) return off_a < off_b;
   }
   const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
-  return a.excess * std::pow(kRatioPerLight, count(a) - count(b)) * std::pow(kRoughRatio, rough) <
-         b.excess;
+  const int more = count(a) - count(b);
+  const int worth = rough == 0.0 ? std::clamp(more, -1, 1) : more;
+  return a.excess * std::pow(kRatioPerLight, worth) * std::pow(kRoughRatio, rough) < b.excess;
 }
 
 // The candidates so far, and what became of each.
 struct Search {
   const Sample& sample;
-  Candidate best;
+  Candidate best, lowest;  // by Better and by the excess variance
   std::string winner, tried;
   bool done = false;
 
   // Returns the excess variance that the start led to.
   double Try(const char* from, const std::vector<Eigen::Vector3d>& directions,
              DiffuseModel diffuse) {
+    return Try(from, StartFromDirections(sample.pixels, directions), diffuse);
+  }
+  double Try(const char* from, const Scene& scene, DiffuseModel diffuse) {
     Candidate start;
-    start.scene = StartFromDirections(sample.pixels, directions);
+    start.scene = scene;
     start = WithDiffuse(std::move(start), diffuse);
     start = WithLobe(std::move(start), sample.choice.specular.value_or(SpecularModel::kPhong));
     Candidate found = AddMissingLights(sample, FitAndEliminate(sample, start.scene));
     const double excess = found.excess;
+    if (winner.empty() || excess < lowest.excess) lowest = found;
     const std::string name = std::string(from) + " with " + Name(diffuse);
     tried += (tried.empty() ? "" : "; ") + name +
              Format(" lead to %zu lights with an excess variance of %.3g",
@@ -103,7 +109,7 @@ Candidate FindLights(const Sample& sample, const std::vector<MapPoint>& clusters
   for (const MapPoint& cluster : clusters)
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
   const auto lattice = HemisphereDirections(kLatticeLights, MeanNormal(sample.pixels));
-  Search search{sample, {}, {}, {}};
+  Search search{sample, {}, {}, {}, {}};
   DiffuseModel diffuse = sample.choice.diffuse.value_or(DiffuseModel::kLambert);
   const double first = search.Try("the intensity map's clusters", directions, diffuse);
   if (!search.done && !sample.choice.diffuse) {
@@ -112,6 +118,10 @@ Candidate FindLights(const Sample& sample, const std::vector<MapPoint>& clusters
     if (first > kRoughRatio * rough) diffuse = DiffuseModel::kOrenNayar;
   }
   if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
+  // A fit of the other surface may have got past where this one stops.
+  if (!search.done && !sample.choice.diffuse)
+    search.Try("the lights of the least of these", Scene(search.lowest.scene),
+               Rough(search.lowest) ? DiffuseModel::kLambert : DiffuseModel::kOrenNayar);
   ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
   if (sample.choice.lights)
     ladder.push_back({"lights",

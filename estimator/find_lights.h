@@ -10,9 +10,10 @@
 namespace turnlight::estimator {
 
 // From the intensity map's clusters; if they and what they miss do not explain the pictures, also
-// with Oren-Nayar, and from an over-complete lattice of lights. Each is fitted and thinned out, and
-// the best stays: a light more must make the excess variance three times smaller, Oren-Nayar 1.25
-// times.
+// with Oren-Nayar, from an over-complete lattice of lights, and from the lights of what left the
+// least with the other diffuse model. Each is fitted and thinned out, and the best stays: more
+// lights must make the excess variance three times smaller, each of them where the diffuse models
+// differ; Oren-Nayar 1.25 times.
 Candidate FindLights(const Sample& sample, const std::vector<MapPoint>& clusters,
                      std::vector<Rung>& ladder);
 
