@@ -79,9 +79,9 @@ struct Search {
              DiffuseModel diffuse) {
     return Try(from, StartFromDirections(sample.pixels, directions), diffuse);
   }
-  double Try(const char* from, const Scene& scene, DiffuseModel diffuse) {
+  double Try(const char* from, Scene scene, DiffuseModel diffuse) {
     Candidate start;
-    start.scene = scene;
+    start.scene = std::move(scene);
     start = WithDiffuse(std::move(start), diffuse);
     start = WithLobe(std::move(start), sample.choice.specular.value_or(SpecularModel::kPhong));
     Candidate found = AddMissingLights(sample, FitAndEliminate(sample, start.scene));
@@ -120,7 +120,7 @@ Candidate FindLights(const Sample& sample, const std::vector<MapPoint>& clusters
   if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
   // A fit of the other surface may have got past where this one stops.
   if (!search.done && !sample.choice.diffuse)
-    search.Try("the lights of the least of these", Scene(search.lowest.scene),
+    search.Try("the lights of the least of these", search.lowest.scene,
                Rough(search.lowest) ? DiffuseModel::kLambert : DiffuseModel::kOrenNayar);
   ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
   if (sample.choice.lights)
