@@ -155,7 +155,7 @@ Status TakeFolder(Prepared& run, const Task& task) {
 
 // The config is read, and everything that can be refused is, before anything is written.
 Result<Prepared> Prepare(const Task& task) {
-  auto config = ReadRunConfig(task.config, task.begun.config_folder);
+  auto config = ReadRunConfig(task.config, task.begun.config);
   if (!config) return Forward(config);
   auto rig = MakeRig(*config, *task.drivers);
   if (!rig) return Forward(rig);
@@ -275,7 +275,7 @@ Status CheckSameConfig(const fs::path& log, const std::string& recorded, const R
 
 int RunCapture(const fs::path& config, const RunFolder& folder, CaptureGoal goal,
                const Drivers& drivers) {
-  const BegunRun begun{goal, fs::absolute(config).parent_path()};
+  const BegunRun begun{goal, fs::absolute(config)};
   return Capture({config, folder, Start::kNew, begun, &drivers, {}});
 }
 
@@ -300,7 +300,7 @@ int ReplayCapture(const fs::path& log, const RunFolder& folder, const Drivers& d
   const RunFolder source = SourceOf(log);
   const auto begun = source.ReadBegun();
   if (!begun) return Fail(begun.error());
-  const auto config = ReadRunConfig(source.config(), begun->config_folder);
+  const auto config = ReadRunConfig(source.config(), begun->config);
   if (!config) return Fail(config.error());
   if (const Status status = CheckSameConfig(log, reader->header().config_hash, *config); !status)
     return Fail(status.error());

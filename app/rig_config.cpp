@@ -23,8 +23,7 @@ Result<rig::RigTarget> ReadMeshTarget(const StrictObject& object, const fs::path
   if (!bytes) return InputError(object.Where("path") + ": " + bytes.error().text);
   auto shape = rig::ParseMesh(*bytes, path);
   if (!shape) return Forward(shape);
-  const auto format =
-      path.extension() == ".obj" ? rig::MeshFormat::kObj : rig::MeshFormat::kPly;
+  const auto format = path.extension() == ".obj" ? rig::MeshFormat::kObj : rig::MeshFormat::kPly;
   return rig::RigTarget{std::move(*shape), rig::MeshCopy{format, std::move(*bytes)}};
 }
 
@@ -66,8 +65,9 @@ const Driver<Device>* FindDriver(const std::vector<Driver<Device>>& drivers, Str
   std::vector<std::string> names;
   for (const Driver<Device>& driver : drivers) names.push_back(driver.name);
   const std::string name = keys.Choice("driver", names);
-  const auto found = std::find_if(drivers.begin(), drivers.end(),
-                                  [&](const Driver<Device>& driver) { return driver.name == name; });
+  const auto found =
+      std::find_if(drivers.begin(), drivers.end(),
+                   [&](const Driver<Device>& driver) { return driver.name == name; });
   return keys.ok() ? &*found : nullptr;
 }
 
@@ -129,8 +129,7 @@ Status RequireKnown(const RunConfig& config) {
 
 // The simulation turns in a way that no calibration can say.
 Status RequireTurntable(const RunConfig& config) {
-  const bool orbit =
-      config.simulation->camera.scene.motion.kind == rig::MotionKind::kOrbit;
+  const bool orbit = config.simulation->camera.scene.motion.kind == rig::MotionKind::kOrbit;
   if (!config.calibration || !orbit) return {};
   return InputError(config.rig.Where("calibration") +
                     ": it is of a rig whose target turns, simulation/motion/kind is orbit; allowed "
@@ -230,8 +229,8 @@ Result<graph::Graph> BuildGraph(const RunConfig& config, const rig::RigSetup& ri
                                 std::shared_ptr<const nodes::CaptureWork> work) {
   nodes::KeyframesJob job;
   job.plan = config.plan;
-  auto graph = graph::Graph::Build(
-      config.graph, nodes::CaptureNodes({rig, std::move(job), std::move(work)}));
+  auto graph = graph::Graph::Build(config.graph,
+                                   nodes::CaptureNodes({rig, std::move(job), std::move(work)}));
   if (!graph) return graph;
   if (const Status status = graph->Configure(); !status) return Forward(status);
   return graph;

@@ -87,7 +87,7 @@ Status ReadWorld(const std::optional<StrictObject>& simulation, RunConfig& confi
 }  // namespace
 
 Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
-                                 const fs::path& folder) {
+                                 const fs::path& origin) {
   auto parsed = ParseYaml(text, file);
   if (!parsed) return Forward(parsed);
   const auto document = std::make_shared<const Document>(std::move(*parsed));
@@ -108,11 +108,11 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   RunConfig config(rig, std::move(*graph));
   config.file = file;
   config.text = text;
-  config.name = name.value_or(fs::path(file).stem().string());
+  config.name = name.value_or(origin.stem().string());
   Status status = RequireNodes(config.graph);
   if (status) status = ReadPlan(capture, config.plan);
   if (!status) return Forward(status);
-  const auto files = ReadRigSection(folder, config);
+  const auto files = ReadRigSection(origin.parent_path(), config);
   if (!files) return Forward(files);
   if (status = ReadWorld(simulation, config); !status) return Forward(status);
   config.calibration_text = files->calibration;
@@ -120,15 +120,13 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   return config;
 }
 
-Result<RunConfig> ReadRunConfig(const fs::path& path, const fs::path& folder) {
+Result<RunConfig> ReadRunConfig(const fs::path& path, const fs::path& origin) {
   const auto text = ReadFile(path, kMaxFileBytes);
   if (!text) return Forward(text);
-  return ParseRunConfig(*text, path.string(), folder);
+  return ParseRunConfig(*text, path.string(), origin);
 }
 
-Result<RunConfig> ReadRunConfig(const fs::path& path) {
-  return ReadRunConfig(path, path.parent_path());
-}
+Result<RunConfig> ReadRunConfig(const fs::path& path) { return ReadRunConfig(path, path); }
 
 Result<bool> IsRunConfig(const fs::path& path) {
   const auto text = ReadFile(path, kMaxFileBytes);

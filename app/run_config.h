@@ -1,6 +1,6 @@
 // The config of a run: what is captured, with which devices, and the graph that does it.
 //
-//   name: simulated_turntable        # of the session; optional
+//   name: simulated_turntable        # of the session; optional: the file's, without its ending
 //   capture: {...}                   # rig/capture/capture_plan.h
 //   rig:                             # what a real rig has as well
 //     table: {driver: mock, ...}     # app/drivers.h; the other keys are the driver's
@@ -53,12 +53,14 @@ struct RunConfig {
 
 // Fails (kInput) with file, line, key and what is allowed; also of a graph that would take no
 // frames, or keep none.
-Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
-                                 const std::filesystem::path& folder);
 Result<RunConfig> ReadRunConfig(const std::filesystem::path& path);
-// Of a copy that stands elsewhere: folder is where the config came from.
+// Of a copy in a run's folder: origin is the file that it is a copy of, for its name and for the
+// files that it names.
 Result<RunConfig> ReadRunConfig(const std::filesystem::path& path,
-                                const std::filesystem::path& folder);
+                                const std::filesystem::path& origin);
+// file names the text in messages.
+Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
+                                 const std::filesystem::path& origin);
 
 // Whether the file is one for a run, or one for a generated session, which has none of these keys.
 // Fails (kInput) if it cannot be read.

@@ -50,7 +50,7 @@ Status RunFolder::Begin(const std::string& config_text, const BegunRun& begun) c
       {"format", "turnlight-run"},
       {"version", 1},
       {"command", begun.goal == CaptureGoal::kEstimate ? "run" : "capture"},
-      {"config_folder", begun.config_folder.string()}};
+      {"config", begun.config.string()}};
   if (const Status status = WriteFileAtomic(config(), config_text); !status) return status;
   return WriteFileAtomic(root_ / kRunFile, run.dump() + "\n");
 }
@@ -64,9 +64,9 @@ Result<BegunRun> RunFolder::ReadBegun() const {
   run.Choice("format", {"turnlight-run"});
   run.Integer("version", 1, 1);
   const std::string command = run.Choice("command", {"run", "capture"});
-  const std::string folder = run.OptionalString("config_folder").value_or(root_.string());
+  const std::string origin = run.OptionalString("config").value_or(config().string());
   if (const Status status = run.Finish(); !status) return Forward(status);
-  return BegunRun{command == "run" ? CaptureGoal::kEstimate : CaptureGoal::kSession, folder};
+  return BegunRun{command == "run" ? CaptureGoal::kEstimate : CaptureGoal::kSession, origin};
 }
 
 }  // namespace turnlight::app

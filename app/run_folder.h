@@ -1,7 +1,7 @@
 // The folder of one run of a capture graph:
 //   DIR/config.yaml   the config as it was read; resume and replay take it from here
 //   DIR/run.json      what was begun: {"format": "turnlight-run", "version": 1, "command": "run",
-//                     "config_folder": "/..."}; files that the config names are found from there
+//                     "config": "/.../FILE.yaml"}, the file that config.yaml is a copy of
 //   DIR/session       the session (rig/capture/session_recorder.h); a simulated rig leaves its
 //                     truth.json there
 //   DIR/log           what the graph recorded; a resumed run writes log-2, log-3, ...
@@ -20,7 +20,7 @@ enum class CaptureGoal { kEstimate, kSession };  // run; capture
 
 struct BegunRun {
   CaptureGoal goal = CaptureGoal::kEstimate;
-  std::filesystem::path config_folder;  // where the config was read
+  std::filesystem::path config;  // the file that was read; absolute
 };
 
 class RunFolder {

@@ -1,5 +1,5 @@
-// What a capture is to do, known only once its devices are open and its folder is locked: a graph is
-// built, and so checked, before that.
+// What a capture is to do, known only once its devices are open and its folder is locked: a graph
+// is built, and so checked, before that.
 #pragma once
 
 #include <functional>

@@ -22,7 +22,7 @@ struct CameraDevice {
   std::shared_ptr<Camera> camera;
   // Of every picture; a camera that cannot give it fails to open.
   PictureFormat format;
-  std::optional<std::string> bayer;    // RGGB, BGGR, GRBG or GBRG, of a mosaic of one channel
+  std::optional<std::string> bayer;     // RGGB, BGGR, GRBG or GBRG, of a mosaic of one channel
   std::array<int, 2> roi_offset{0, 0};  // of the picture's first pixel on the sensor, unbinned
   std::array<int, 2> binning{1, 1};     // pixels of the sensor per picture's, across and down
   double readout_s = 0.05;              // from the end of an exposure to its picture, about

@@ -49,15 +49,14 @@ Status ReadLens(StrictObject object, const fs::path& folder,
                 std::optional<calib::CameraModel>& lens, Covariance& covariance) {
   const std::string path = object.String("path");
   const std::string sha256 = object.String("sha256");
-  if (object.ok() && !IsSha256(sha256))
-    object.Refuse("sha256", "64 lower-case hexadecimal digits");
+  if (object.ok() && !IsSha256(sha256)) object.Refuse("sha256", "64 lower-case hexadecimal digits");
   ReadUnit(object, "pixel");
   if (!object.ok()) return object.Finish();
   const auto text = ReadFile(folder / path, kMaxFileBytes);
   if (!text) return InputError(object.Where("path") + ": " + text.error().text);
   if (Sha256Hex(*text) != sha256)
-    return InputError(object.Where("sha256") + ": \"" + sha256 + "\", " +
-                      (folder / path).string() + " has \"" + Sha256Hex(*text) +
+    return InputError(object.Where("sha256") + ": \"" + sha256 + "\", " + (folder / path).string() +
+                      " has \"" + Sha256Hex(*text) +
                       "\"; allowed is the file that the calibration was made with");
   auto model = calib::CameraModel::FromString(*text, (folder / path).string());
   if (!model) return Forward(model);
@@ -138,10 +137,10 @@ Status CheckTogether(const RigCalibration& calibration) {
   const cv::Size size(calibration.lens.width(), calibration.lens.height());
   const cv::Size& resolution = calibration.devices.resolution;
   if (resolution == size) return {};
-  return InputError(calibration.source + ": identity/camera/resolution: " +
-                    std::to_string(resolution.width) + " x " + std::to_string(resolution.height) +
-                    ", allowed is the camera model's, " + std::to_string(size.width) + " x " +
-                    std::to_string(size.height));
+  return InputError(calibration.source +
+                    ": identity/camera/resolution: " + std::to_string(resolution.width) + " x " +
+                    std::to_string(resolution.height) + ", allowed is the camera model's, " +
+                    std::to_string(size.width) + " x " + std::to_string(size.height));
 }
 
 Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
@@ -180,13 +179,13 @@ void AddCovariance(ordered_json& object, const Covariance& covariance) {
   ordered_json rows = ordered_json::array();
   for (Eigen::Index r = 0; r < covariance->rows(); ++r) {
     rows.push_back(ordered_json::array());
-    for (Eigen::Index c = 0; c < covariance->cols(); ++c) rows.back().push_back((*covariance)(r, c));
+    for (Eigen::Index c = 0; c < covariance->cols(); ++c)
+      rows.back().push_back((*covariance)(r, c));
   }
   object["covariance"] = rows;
 }
 
-ordered_json PrintValue(ordered_json value, const std::string& unit,
-                        const Covariance& covariance) {
+ordered_json PrintValue(ordered_json value, const std::string& unit, const Covariance& covariance) {
   ordered_json object{{"value", std::move(value)}, {"unit", unit}};
   AddCovariance(object, covariance);
   return object;

@@ -1,6 +1,6 @@
 // The simulated world that mock devices are in: what is true of it, and what goes wrong. In a
 // config it stands under `simulation`, beside `rig`; by itself it is the whole of a simulator's
-// config.
+// config. Lengths are in the rig's length_unit.
 //
 // Keys (all optional): those of rig/sim/synthetic_config.h - seed, target, motion, camera (the true
 // lens), lights or random_lights, reflectance or random_reflectance, sensor, samples_per_side; of

@@ -68,12 +68,14 @@ class FolderCameraTest : public testing::Test {
     const auto studio = rig::BuildStudio(config);
     ASSERT_TRUE(studio) << studio.error().text;
     rig::RigCalibration calibration(studio->camera);
-    calibration.geometry =
-        std::get<calib::TurntableGeometry>(rig::GeometryOf(config.motion));
+    calibration.geometry = std::get<calib::TurntableGeometry>(rig::GeometryOf(config.motion));
     calibration.radiometry = studio->radiometry;
     calibration.devices = {{"turnlight", "folder camera", "frames"},
                            {"turnlight", "obedient table", "1"},
-                           {80, 60}, {0, 0}, {1, 1}, ""};
+                           {80, 60},
+                           {0, 0},
+                           {1, 1},
+                           ""};
     ASSERT_TRUE(rig::WriteRigCalibration(calibration, folder_ / "rig-calibration.json"));
   }
 
@@ -94,7 +96,7 @@ class FolderCameraTest : public testing::Test {
   std::string Refusal(const std::string& what, const std::string& by) const {
     std::string rig = Rig();
     Replace(rig, what, by);
-    const auto config = ParseRunConfig(Config(rig), "c.yaml", folder_.path());
+    const auto config = ParseRunConfig(Config(rig), "c.yaml", folder_ / "c.yaml");
     if (!config) return config.error().text;
     const auto made = MakeRig(*config, drivers_);
     return made ? "accepted" : made.error().text;
@@ -140,7 +142,7 @@ TEST_F(FolderCameraTest, AnotherCalibrationIsAnotherRig) {
   const RunFolder run(folder_ / "run");
   ASSERT_EQ(RunCapture(folder_ / "c.yaml", run, CaptureGoal::kSession, drivers_), 0);
   std::string calibration = ReadText(folder_ / "rig-calibration.json");
-  Replace(calibration, "\"angle_offset\": {\"value\": 0.0", "\"angle_offset\": {\"value\": 0.5");
+  Replace(calibration, "\"angle_offset\": {\"value\":0.0", "\"angle_offset\": {\"value\":0.5");
   WriteText(folder_ / "rig-calibration.json", calibration);
   const RunFolder again(folder_ / "again");
   testing::internal::CaptureStderr();
@@ -169,7 +171,6 @@ TEST_F(FolderCameraTest, OtherDevicesThanTheCalibrationsAreRefused) {
 }
 
 TEST_F(FolderCameraTest, ASimulationBesideRealDevicesIsRefused) {
-  const std::string simulated = "rig:\n  table: {driver: mock}\n";
   EXPECT_THAT(Refusal("rig:\n", "simulation: {seed: 3}\nrig:\n"),
               EndsWith("c.yaml:3: simulation: it stands beside rig/table/driver: obedient, which "
                        "is no simulated device; allowed is a simulation only where both drivers "
@@ -177,9 +178,9 @@ TEST_F(FolderCameraTest, ASimulationBesideRealDevicesIsRefused) {
   EXPECT_THAT(Refusal("{driver: obedient}", "{driver: mock}"),
               EndsWith("rig/table/driver: mock, a simulated device, beside rig/camera/driver: "
                        "folder; allowed are two simulated devices or two real ones"));
-  EXPECT_THAT(Refusal("rig:\n  table: {driver: obedient}",
-                      "simulation: {}\nrig:\n  table: {driver: mock}"),
-              HasSubstr("simulation: it stands beside rig/camera/driver: folder"));
+  EXPECT_THAT(
+      Refusal("rig:\n  table: {driver: obedient}", "simulation: {}\nrig:\n  table: {driver: mock}"),
+      HasSubstr("simulation: it stands beside rig/camera/driver: folder"));
 }
 
 TEST_F(FolderCameraTest, WhatIsKnownOfARealRigHasToBeSaid) {

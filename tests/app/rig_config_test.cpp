@@ -31,7 +31,7 @@ std::string WithRig(const std::string& rig) {
 }
 
 Result<rig::RigSetup> Make(const std::string& text, const fs::path& folder = {}) {
-  const auto config = ParseRunConfig(text, "c.yaml", folder);
+  const auto config = ParseRunConfig(text, "c.yaml", folder / "c.yaml");
   if (!config) return Forward(config);
   return MakeRig(*config);
 }
@@ -94,8 +94,8 @@ TEST(RigConfig, WordsOfTheRefusals) {
 }
 
 TEST(RigConfig, MockDevicesNeedASimulation) {
-  const std::string refusal = Refusal(WithRig(
-      "rig:\n  table: {driver: mock}\n  camera: {driver: mock}\n"));
+  const std::string refusal =
+      Refusal(WithRig("rig:\n  table: {driver: mock}\n  camera: {driver: mock}\n"));
   EXPECT_THAT(refusal, AllOf(StartsWith("c.yaml:"),
                              HasSubstr("rig/table/driver: mock needs the section simulation beside "
                                        "rig, as in\n"),
@@ -165,7 +165,10 @@ TEST(RigConfig, ACalibrationOfTheSimulationItselfGivesTheSameBytes) {
   calibration.noise = made->known.noise;
   calibration.devices = {{"turnlight", "mock camera", "MOCK-CAMERA-1"},
                          {"turnlight", "mock turntable", "MOCK-TABLE-1"},
-                         {80, 60}, {0, 0}, {1, 1}, ""};
+                         {80, 60},
+                         {0, 0},
+                         {1, 1},
+                         ""};
   fs::create_directory(folder / "known");
   ASSERT_TRUE(rig::WriteRigCalibration(calibration, folder / "known/rig.json"));
   WriteText(folder / "plain.yaml", text);

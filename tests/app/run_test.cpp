@@ -227,6 +227,20 @@ TEST_F(Run, ResumeOfAFinishedRunDoesWhatIsMissing) {
   EXPECT_FALSE(fs::exists(Out("nowhere")));
 }
 
+// A session without a name has its config's; the copy in the folder is called otherwise.
+TEST_F(Run, AConfigWithoutANameKeepsItOnResumeAndReplay) {
+  const std::string config =
+      Config("lump.yaml", "simulated_turntable.yaml", "name: simulated_turntable\n", "");
+  ExpectRuns({"capture", config, "--out", Out("run")});
+  const std::string whole = ReadText(Out("run") + "/session/session.json");
+  EXPECT_NE(whole.find("\"name\": \"lump\""), std::string::npos) << whole;
+  ExpectRuns({"replay", Out("run") + "/log", "--out", Out("again")});
+  EXPECT_EQ(ReadText(Out("again") + "/session/session.json"), whole);
+  fs::remove(Out("run") + "/session/session.json");
+  ExpectRuns({"resume", Out("run")});
+  EXPECT_EQ(ReadText(Out("run") + "/session/session.json"), whole);
+}
+
 TEST_F(Run, ReplayWithAnotherRigIsRefusedAndNamed) {
   ExpectRuns({"capture", config_, "--out", Out("run")});
   std::string text = ReadText(Out("run") + "/config.yaml");

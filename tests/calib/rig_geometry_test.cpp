@@ -1,6 +1,6 @@
 // Proves: a table's angle becomes the pose X_WA Rz(scale angle + offset) X_AT, in closed form and
-// bit for bit where W lies on the axis; a camera that goes round keeps distance, level and aim. Does
-// not prove: that a rig's numbers are the right ones.
+// bit for bit where W lies on the axis; a camera that goes round keeps distance, level and aim.
+// Does not prove: that a rig's numbers are the right ones.
 #include "calib/rig_geometry.h"
 
 #include <gtest/gtest.h>
@@ -48,8 +48,8 @@ TEST(RigGeometry, ScaleAndOffsetAreOfTheReportedAngle) {
   scaled.angle_scale = -0.5;
   scaled.angle_offset_deg = 30.0;
   for (const double angle_deg : {-90.0, 0.0, 7.0, 360.0})
-    EXPECT_TRUE(SameBits(PosesAt(scaled, angle_deg).X_WT,
-                         PosesAt(plain, -0.5 * angle_deg + 30.0).X_WT))
+    EXPECT_TRUE(
+        SameBits(PosesAt(scaled, angle_deg).X_WT, PosesAt(plain, -0.5 * angle_deg + 30.0).X_WT))
         << angle_deg;
 }
 

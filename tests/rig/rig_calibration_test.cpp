@@ -1,6 +1,6 @@
-// Proves: a rig's calibration comes back from its file bit for bit, covariances and all; every wrong
-// value is refused by file, key, value and what is allowed; a calibration of other devices or other
-// pictures is refused and told apart. Does not prove: that any rig's numbers are right.
+// Proves: a rig's calibration comes back from its file bit for bit, covariances and all; every
+// wrong value is refused by file, key, value and what is allowed; a calibration of other devices or
+// other pictures is refused and told apart. Does not prove: that any rig's numbers are right.
 #include "rig/rig_calibration.h"
 
 #include <gmock/gmock.h>
@@ -48,8 +48,9 @@ RigCalibration Example() {
   calibration.radiometry.reference_gain_db = 0.1;
   calibration.radiometry.white_balance = {1.1, 1.0, 0.9};
   calibration.noise = {3.3, 0.7, 1.5};
-  calibration.devices = {{"Maker", "C", "77"}, {"Other", "T", ""}, {640, 480}, {8, 16}, {2, 2},
-                         "50 mm, focused at 0.5 m, f/8"};
+  calibration.devices = {
+      {"Maker", "C", "77"},          {"Other", "T", ""}, {640, 480}, {8, 16}, {2, 2},
+      "50 mm, focused at 0.5 m, f/8"};
   CalibrationCovariances& known = calibration.covariances;
   known.camera_model = Covariance(4);
   known.X_WC = Covariance(6);
@@ -89,9 +90,9 @@ std::string Bits(const RigCalibration& calibration) {
   const CalibratedDevices& devices = calibration.devices;
   for (const DeviceIdentity& device : {devices.camera, devices.table})
     bits += device.vendor + "," + device.model + "," + device.serial + ";";
-  for (const int value : {devices.resolution.width, devices.resolution.height,
-                          devices.roi_offset[0], devices.roi_offset[1], devices.binning[0],
-                          devices.binning[1]})
+  for (const int value :
+       {devices.resolution.width, devices.resolution.height, devices.roi_offset[0],
+        devices.roi_offset[1], devices.binning[0], devices.binning[1]})
     bits += std::to_string(value) + " ";
   return bits + devices.lens;
 }
@@ -137,11 +138,11 @@ TEST_F(RigCalibrationTest, ComesBackBitForBit) {
 
 TEST_F(RigCalibrationTest, WhatIsOptionalMayBeMissing) {
   json root = json::parse(*ReadFile(path_));
-  for (const char* part : {"camera_model", "X_WC", "X_WA", "X_AT", "angle_scale", "angle_offset",
-                           "radiometry"})
+  for (const char* part :
+       {"camera_model", "X_WC", "X_WA", "X_AT", "angle_scale", "angle_offset", "radiometry"})
     root[part].erase("covariance");
-  for (const char* key : {"saturation", "reference_exposure_us", "reference_gain_db",
-                          "white_balance", "noise"})
+  for (const char* key :
+       {"saturation", "reference_exposure_us", "reference_gain_db", "white_balance", "noise"})
     root["radiometry"].erase(key);
   root["identity"].erase("lens");
   root["identity"]["camera"].erase("roi_offset");
@@ -155,19 +156,38 @@ TEST_F(RigCalibrationTest, WhatIsOptionalMayBeMissing) {
 }
 
 TEST_F(RigCalibrationTest, EveryKeyThatIsNotOptionalMustBeThere) {
-  for (const std::string key :
-       {"/format", "/version", "/camera_model", "/camera_model/path", "/camera_model/sha256",
-        "/camera_model/unit", "/X_WC", "/X_WC/value", "/X_WC/unit", "/X_WA", "/X_AT",
-        "/angle_scale", "/angle_scale/value", "/angle_scale/unit", "/angle_offset", "/radiometry",
-        "/radiometry/black", "/radiometry/white", "/radiometry/unit", "/identity",
-        "/identity/camera", "/identity/table", "/identity/camera/vendor", "/identity/table/serial",
-        "/identity/camera/resolution"})
+  for (const std::string key : {"/format",
+                                "/version",
+                                "/camera_model",
+                                "/camera_model/path",
+                                "/camera_model/sha256",
+                                "/camera_model/unit",
+                                "/X_WC",
+                                "/X_WC/value",
+                                "/X_WC/unit",
+                                "/X_WA",
+                                "/X_AT",
+                                "/angle_scale",
+                                "/angle_scale/value",
+                                "/angle_scale/unit",
+                                "/angle_offset",
+                                "/radiometry",
+                                "/radiometry/black",
+                                "/radiometry/white",
+                                "/radiometry/unit",
+                                "/identity",
+                                "/identity/camera",
+                                "/identity/table",
+                                "/identity/camera/vendor",
+                                "/identity/table/serial",
+                                "/identity/camera/resolution"})
     EXPECT_EQ(Refusal(key, nullptr), key.substr(1) + ": this key is missing");
 }
 
 TEST_F(RigCalibrationTest, WrongValuesAreRefusedByKeyAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("/format", "turnlight-session"), HasSubstr("turnlight-rig-calibration"));
-  EXPECT_EQ(Refusal("/version", 2), "version: 2, allowed is 1, the version that this program reads");
+  EXPECT_EQ(Refusal("/version", 2),
+            "version: 2, allowed is 1, the version that this program reads");
   EXPECT_THAT(Refusal("/length_unit", "a mile"), HasSubstr("a word without spaces"));
   EXPECT_EQ(Refusal("/X_WC/unit", "mm"),
             "X_WC/unit: \"mm\", allowed is \"m\", the unit of this number in this file");
@@ -175,7 +195,8 @@ TEST_F(RigCalibrationTest, WrongValuesAreRefusedByKeyAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("/radiometry/unit", "e-"), HasSubstr("allowed is \"DN\""));
   EXPECT_THAT(Refusal("/X_WA/value", json::array({1, 2})), HasSubstr("3 rows of 4"));
   EXPECT_THAT(Refusal("/X_AT/value/0/0", 2.0), HasSubstr("not orthonormal"));
-  EXPECT_EQ(Refusal("/angle_scale/value", 0.0), "angle_scale/value: 0, allowed is any other number");
+  EXPECT_EQ(Refusal("/angle_scale/value", 0.0),
+            "angle_scale/value: 0, allowed is any other number");
   EXPECT_THAT(Refusal("/X_WC/covariance", json::array({json::array({1.0})})),
               AllOf(StartsWith("X_WC/covariance"), HasSubstr("6 rows of 6")));
   EXPECT_EQ(Refusal("/angle_scale/covariance/0/0", -1.0),
