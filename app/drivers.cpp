@@ -3,10 +3,10 @@
 namespace turnlight::app {
 
 const Drivers& BuiltInDrivers() {
-  static const Drivers drivers{
+  static const Drivers kDrivers{
       .tables = {{"mock", SimulatedDriver<rig::TableDevice>(rig::MakeMockTable)}},
       .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::MakeMockCamera)}}};
-  return drivers;
+  return kDrivers;
 }
 
 }  // namespace turnlight::app

@@ -39,9 +39,9 @@ struct KeyframesJob {
 class KeyframesNode : public graph::Node {
  public:
   // radiometry: of raw DN.
-  KeyframesNode(KeyframesJob job, calib::Radiometry radiometry,
+  KeyframesNode(KeyframesJob job, const calib::Radiometry& radiometry,
                 std::shared_ptr<const CaptureWork> work)
-      : job_(std::move(job)), radiometry_(std::move(radiometry)), work_(std::move(work)) {}
+      : job_(std::move(job)), radiometry_(radiometry), work_(std::move(work)) {}
   Status Configure(StrictObject& params) override;
   Status Start() override { return BeginKeyframe(); }
   Status WindDown() override;
