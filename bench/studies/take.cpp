@@ -28,7 +28,7 @@ Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
                                const estimator::EstimateOptions& options) {
   const auto keyframes = rig::ToKeyframes(session);
   const auto start = std::chrono::steady_clock::now();
-  const estimator::Geometry geometry(session.target);
+  const estimator::target::Geometry geometry(session.target);
   const calib::RayGrid rays(session.camera);
   const auto output = estimator::EstimateScene(keyframes, geometry, rays, options);
   if (!output) return Forward(output);
@@ -63,10 +63,11 @@ Json Describe(const rig::SyntheticConfig& config) {
   json["width"] = config.camera.width;
   json["sensor"] = SensorWord(config.sensor);
   json["noise"] = Rounded(config.sensor.noise_relative, 3);
-  if (const auto* material = std::get_if<estimator::Reflectance>(&config.reflectance)) {
+  if (const auto* material = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
     json["shininess"] = Rounded(material->shininess, 3);
-    json["diffuse_true"] =
-        material->diffuse_model == estimator::DiffuseModel::kLambert ? "lambert" : "oren-nayar";
+    json["diffuse_true"] = material->diffuse_model == estimator::model::DiffuseModel::kLambert
+                               ? "lambert"
+                               : "oren-nayar";
   }
   return json;
 }
