@@ -1,0 +1,15 @@
+// What a fit found, in the form of every estimate: in W and in the gauge of the results.
+#pragma once
+
+#include "estimator/estimate.h"
+#include "estimator/observe/observations.h"
+#include "estimator/select/model_selection.h"
+
+namespace turnlight::estimator {
+
+// Lights, reflectance, products, their sigmas and the residual; the decisions, notes, views and
+// times are the caller's.
+void FillFromFit(const observe::Observations& observations, const select::Refined& refined,
+                 Estimate& out);
+
+}  // namespace turnlight::estimator
