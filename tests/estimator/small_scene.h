@@ -1,12 +1,11 @@
 // A glossy ball, 120 x 90 pixels, as several tests of whole estimates need it.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
-#include "base/angles.h"
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
+#include "tests/estimator/directions.h"
 
 namespace turnlight::estimator {
 
@@ -52,10 +51,6 @@ inline Result<EstimateOutput> EstimateFrom(const rig::SyntheticSession& session,
                                            const EstimateOptions& options = {}) {
   return EstimateScene(rig::ToKeyframes(session), target::Geometry(session.target),
                        calib::RayGrid(session.camera), options);
-}
-
-inline double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
 }  // namespace turnlight::estimator
