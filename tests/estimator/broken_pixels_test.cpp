@@ -21,7 +21,7 @@ constexpr double kNoise = 0.005;
 
 cv::Mat1b WholeTarget() { return cv::Mat1b(kRows, kColumns, std::uint8_t{255}); }
 
-std::uint64_t Index(int row, int column) {
+std::uint64_t PixelIndex(int row, int column) {
   return static_cast<std::uint64_t>(row * kColumns + column);
 }
 
@@ -32,7 +32,7 @@ cv::Mat1f Picture(double noise, std::uint64_t seed,
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column)
       out(row, column) =
-          static_cast<float>(mean(row, column) + noise * random.Normal(Index(row, column)));
+          static_cast<float>(mean(row, column) + noise * random.Normal(PixelIndex(row, column)));
   return out;
 }
 
@@ -75,7 +75,7 @@ TEST(BrokenPixels, OutliersAreFoundAndTheOthersKept) {
     cv::Mat1b replaced(kRows, kColumns, std::uint8_t{0});
     for (int row = 0; row < kRows; ++row)
       for (int column = 0; column < kColumns; ++column) {
-        const std::uint64_t i = 2 * Index(row, column);
+        const std::uint64_t i = 2 * PixelIndex(row, column);
         if (random.Uniform(i) >= share) continue;
         replaced(row, column) = 1;
         picture(row, column) = static_cast<float>(random.Uniform(i + 1));
@@ -166,7 +166,7 @@ TEST(BrokenPixels, NothingOutsideOfTheTarget) {
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column)
       if (target(row, column) == 0) {
-        const double kind = random.Uniform(Index(row, column));
+        const double kind = random.Uniform(PixelIndex(row, column));
         picture(row, column) = kind < 0.3   ? std::numeric_limits<float>::quiet_NaN()
                                : kind < 0.6 ? 1e30f
                                : kind < 0.8 ? 0.0f

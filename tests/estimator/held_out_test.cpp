@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNoise = 0.003;
+constexpr double kNoiseOfViews = 0.003;
 
 Light Absent() { return {Vector3d(0.1, -0.9, 0.4).normalized(), 0.1, 0.3, Vector3d::Ones()}; }
 
@@ -28,7 +28,7 @@ Observations Noisy(const Scene& truth, std::uint64_t seed) {
   const RandomStream noise(seed, 11);
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < out.used; ++i)
-      out.radiance[c][i] += static_cast<float>(kNoise * noise.Normal(3 * i + c));
+      out.radiance[c][i] += static_cast<float>(kNoiseOfViews * noise.Normal(3 * i + c));
   out.subsampled = true;
   return out;
 }
@@ -38,7 +38,7 @@ struct Setting {
   Observations held_out;
 };
 
-Setting Set(const Scene& truth) { return {{Noisy(truth, 1), kNoise, {}}, Noisy(truth, 2)}; }
+Setting Set(const Scene& truth) { return {{Noisy(truth, 1), kNoiseOfViews, {}}, Noisy(truth, 2)}; }
 
 // Degrees; 180 if the numbers of lights differ.
 double WorstDirection(const Scene& scene, const Scene& truth) {

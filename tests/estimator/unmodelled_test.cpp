@@ -21,14 +21,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNoise = 0.002;
+constexpr double kNoiseOfData = 0.002;
 
 RandomObservations Noisy(const Scene& truth) {
   RandomObservations random(40 * kTile, 3, 3, &truth);
   const RandomStream noise(5, 5);
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < random.observations.used; ++i)
-      random.observations.radiance[c][i] += static_cast<float>(kNoise * noise.Normal(3 * i + c));
+      random.observations.radiance[c][i] +=
+          static_cast<float>(kNoiseOfData * noise.Normal(3 * i + c));
   return random;
 }
 

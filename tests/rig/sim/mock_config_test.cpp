@@ -12,14 +12,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Result<MockTurntableConfig> Parse(const std::string& yaml) {
+Result<MockTurntableConfig> ParseTable(const std::string& yaml) {
   const auto document = ParseYaml(yaml, "t.yaml");
   if (!document) return Forward(document);
   return ReadMockTurntableConfig(StrictObject(*document));
 }
 
 TEST(MockTurntableConfig, ReadsEveryKey) {
-  const auto config = Parse(R"(
+  const auto config = ParseTable(R"(
 serial: T7
 max_speed_deg_s: 11
 acceleration_deg_s2: 12
@@ -52,7 +52,7 @@ power_on_deg: 20
 
 TEST(MockTurntableConfig, RefusesByFileLineKeyAndRange) {
   const auto refusal = [](const std::string& yaml) {
-    const auto config = Parse(yaml);
+    const auto config = ParseTable(yaml);
     return config ? "accepted" : config.error().text;
   };
   EXPECT_EQ(refusal("{}"), "accepted");
