@@ -46,7 +46,7 @@ in_function 51 'TEST(Suite, Name)' | refused tests/base/a_test.cpp '2: TEST(Suit
 { echo 'int f(int n) {' && echo '  auto g = [&] {' && lines 48 && echo '  };' && echo '}'; } |
   refused base/a.cpp '1: f: 52 lines, allowed are 50'
 { echo 'const F kF = {' && echo '  [](int n) {' && lines 49 && echo '  },' && echo '};'; } |
-  refused base/a.cpp '2: lambda: 51 lines, allowed are 50'
+  refused base/a.cpp '1: lambda: 52 lines, allowed are 50'
 { echo 'const int kNumbers[] = {' && seq -f '    %g,' 60 && echo '};'; } | accepted base/a.cpp
 { echo 'struct A {' && seq -f '  int n%g{1};' 60 && echo '};'; } | accepted base/a.h
 echo 'int f() {' | refused base/a.cpp '1: braces do not match'
