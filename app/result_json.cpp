@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/angles.h"
-#include "estimator/normal_equations.h"
 #include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
@@ -219,6 +218,20 @@ ordered_json NotesToJson(const Estimate& estimate) {
 
 }  // namespace
 
+const char* StoppedWord(estimator::Stopped stopped) {
+  switch (stopped) {
+    case estimator::Stopped::kTolerance:
+      return "converged";
+    case estimator::Stopped::kNoDescent:
+      return "no-descent";
+    case estimator::Stopped::kIterationLimit:
+      return "iteration-limit";
+    case estimator::Stopped::kNotFinite:
+      return "not-finite";
+  }
+  return "";
+}
+
 double LobeWidthDeg(const estimator::Reflectance& reflectance) {
   const double half = RadToDeg(estimator::LobeHalfWidth(reflectance.shininess));
   return reflectance.specular_model == estimator::SpecularModel::kBlinnPhong ? 4.0 * half
@@ -250,7 +263,7 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;
-  json["stopped"] = estimate.stopped;
+  json["stopped"] = StoppedWord(estimate.stopped);
   json["time_s"] = ordered_json{{"load", times.load_s},
                                 {"initial", estimate.initial_s},
                                 {"solve", estimate.solve_s},

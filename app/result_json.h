@@ -22,6 +22,10 @@ nlohmann::ordered_json ResultToJson(const estimator::Estimate& estimate,
                                     const std::string& session_name, const std::string& method,
                                     const RunTimes& times);
 
+// Why a solve ended, as "stopped" has it: "converged", "no-descent", "iteration-limit" or
+// "not-finite".
+const char* StoppedWord(estimator::Stopped stopped);
+
 // The full width at half maximum of the highlight in degrees, in the angle between the mirror
 // direction and the viewer. Blinn-Phong's half-angle is half of that angle, hence twice as wide.
 double LobeWidthDeg(const estimator::Reflectance& reflectance);

@@ -16,6 +16,7 @@
 #include "base/format.h"
 #include "base/parallel.h"
 #include "estimator/estimate.h"
+#include "estimator/paper_estimate.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
 
@@ -120,6 +121,18 @@ Result<estimator::EstimateOptions> MakeOptions(const SessionEstimateOptions& giv
   return options;
 }
 
+Result<estimator::EstimateOutput> EstimateBy(const SessionEstimateOptions& given,
+                                             const rig::Session& session,
+                                             const std::vector<estimator::Keyframe>& keyframes,
+                                             const estimator::Geometry& geometry,
+                                             const calib::RayGrid& rays,
+                                             const estimator::EstimateOptions& options) {
+  if (given.method != "paper") return estimator::EstimateScene(keyframes, geometry, rays, options);
+  const auto paper = MakePaperOptions(given, session, keyframes, geometry);
+  if (!paper) return Forward(paper);
+  return estimator::EstimateByPaper(keyframes, geometry, rays, *paper);
+}
+
 struct Computed {
   rig::Session session;
   std::vector<estimator::Keyframe> keyframes;
@@ -144,15 +157,10 @@ Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstim
   if (!keyframes) return Forward(keyframes);
   estimator::Geometry geometry(std::move(*shape));
   const calib::RayGrid rays(*session->camera);
-  if (options.method == "paper") {
-    const auto paper = MakePaperOptions(options, *session, *keyframes, geometry);
-    if (!paper) return Forward(paper);
-    estimator_options->paper = *paper;
-  }
   auto closure = TellClosure(folder);
   if (!closure) return Forward(closure);
   const double load_s = SecondsSince(start);
-  auto output = estimator::EstimateScene(*keyframes, geometry, rays, *estimator_options);
+  auto output = EstimateBy(options, *session, *keyframes, geometry, rays, *estimator_options);
   if (!output) return Forward(output);
   if (*closure && !(*closure)->closed)
     output->estimate.notes.push_back({"closure-open", (*closure)->text});

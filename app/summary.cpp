@@ -119,7 +119,7 @@ std::string Summary(const Estimate& estimate, const std::string& session_name,
   text += ReflectanceText(estimate);
   text += Row("residual",
               Format("%.3g rms of white, from %.3g at the start; %d iterations, %s", estimate.rms,
-                     estimate.initial_rms, estimate.iterations, estimate.stopped.c_str()));
+                     estimate.initial_rms, estimate.iterations, StoppedWord(estimate.stopped)));
   return text + LadderText(estimate) + NotesText(estimate);
 }
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "estimator/views.h"
+
 namespace turnlight::estimator {
 
 void AnytimeEstimator::Add(const Keyframe& keyframe) {

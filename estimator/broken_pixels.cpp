@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "base/statistics.h"
+
 namespace turnlight::estimator {
 namespace {
 
@@ -17,15 +19,6 @@ constexpr double kFloorSigmas = 2.0;  // from here on the mean is less than 0.01
 constexpr float kWellAbove = 4.0f;    // sigmas
 constexpr int kReach = 2;             // 5 x 5
 constexpr int kPasses = 2;
-
-// The q-quantile; reorders the values. 0 of none.
-float Quantile(std::vector<float>& values, double q) {
-  if (values.empty()) return 0.0f;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * q);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // One channel of a picture and which of its pixels count.
 struct Channel {
@@ -48,7 +41,7 @@ void MarkImplausible(Channel& channel) {
     }
   const double largest = positive.empty()
                              ? std::numeric_limits<double>::infinity()
-                             : kTimesTypical * static_cast<double>(Quantile(positive, 0.8));
+                             : kTimesTypical * static_cast<double>(LowerQuantile(positive, 0.8));
   for (int row = 0; row < channel.value.rows; ++row)
     for (int column = 0; column < channel.value.cols; ++column) {
       const auto v = static_cast<double>(channel.value(row, column));
@@ -69,7 +62,7 @@ float Noise(const Channel& channel, const cv::Mat1b& of = {}) {
                                        2.0f * channel.value(row, column) +
                                        channel.value(row, column + 1)));
   // 0.2533: the 20 % quantile of a unit normal's magnitude; sqrt 6: the filter's own gain.
-  return Quantile(differences, 0.2) / (0.2533f * std::sqrt(6.0f));
+  return LowerQuantile(differences, 0.2) / (0.2533f * std::sqrt(6.0f));
 }
 
 // The smallest difference but 0 that it was shown. In a picture of 8 bits it is the step from one
@@ -123,14 +116,14 @@ void MarkOutliers(Channel& channel, float noise) {
       for (int r = row - kReach; r <= row + kReach; ++r)
         for (int c = column - kReach; c <= column + kReach; ++c)
           if ((r != row || c != column) && known.Good(r, c)) around.push_back(channel.value(r, c));
-      const float median = Quantile(around, 0.5);
+      const float median = LowerQuantile(around, 0.5);
       Step step;
       step.Take(channel.value(row, column) - median);
       for (float& v : around) {
         step.Take(v - median);
         v = std::abs(v - median);
       }
-      const float spread = Quantile(around, 0.5) / 0.6745f;
+      const float spread = LowerQuantile(around, 0.5) / static_cast<float>(kMedianOfNormal);
       // Too few left around it: what they say about it is chance.
       const bool alone = around.size() < 6;
       const float limit = std::max(kSigmas * std::max(noise, spread), kSteps * step.smallest);

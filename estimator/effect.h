@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "estimator/normal_equations.h"
+#include "estimator/prediction.h"
 
 namespace turnlight::estimator {
 

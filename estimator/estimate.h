@@ -15,8 +15,9 @@
 #include "estimator/keyframe.h"
 #include "estimator/model_choice.h"
 #include "estimator/model_selection.h"
-#include "estimator/paper_method.h"
+#include "estimator/observations.h"
 #include "estimator/scene.h"
+#include "estimator/solver.h"
 #include "estimator/uncertainty.h"
 
 namespace turnlight::estimator {
@@ -26,8 +27,6 @@ struct EstimateOptions {
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<Scene> warm_start;
   ModelChoice model;  // with a start or without
-  // Given: the published method instead; everything above is ignored.
-  std::optional<PaperOptions> paper;
 };
 
 // Sigmas are sigma_total: see uncertainty.h.
@@ -85,7 +84,7 @@ struct Estimate {
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;
-  std::string stopped;  // "converged", "iteration-limit"
+  Stopped stopped = Stopped::kTolerance;  // why the last solve ended
   std::vector<IterationRecord> history;
   double initial_s = 0.0, solve_s = 0.0;  // seconds, for people
 
@@ -99,11 +98,9 @@ struct EstimateOutput {
       residuals;  // per keyframe: grey observed minus model; NaN where unobserved
 };
 
-// What distinguishes one view's picture from another's: every third row and column of it.
-cv::Mat ViewSignature(const Keyframe& keyframe);
-
-// The estimate itself, from observations and the views' signatures. On the way out, map and refined
-// (both optional) receive what pictures and residual maps are made of.
+// The estimate itself, from observations and the views' signatures (see views.h). On the way out,
+// map and refined (both optional) receive what pictures and residual maps are made of. Fails with
+// kNoEstimate when nothing usable was observed.
 Result<Estimate> EstimateObservations(const Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, IntensityMap* map = nullptr,

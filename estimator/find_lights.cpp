@@ -4,8 +4,11 @@
 #include <cmath>
 
 #include "base/format.h"
-#include "estimator/missing_lights.h"
-#include "estimator/solver.h"
+#include "estimator/add_missing_lights.h"
+#include "estimator/direction_lattice.h"
+#include "estimator/eliminate_lights.h"
+#include "estimator/merge_lights.h"
+#include "estimator/start_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -84,7 +87,7 @@ struct Search {
     start.scene = std::move(scene);
     start = WithDiffuse(std::move(start), diffuse);
     start = WithLobe(std::move(start), sample.choice.specular.value_or(SpecularModel::kPhong));
-    Candidate found = AddMissingLights(sample, FitAndEliminate(sample, start.scene));
+    Candidate found = AddMissingLights(sample, Eliminate(sample, FitAndMerge(sample, start.scene)));
     const double excess = found.excess;
     if (winner.empty() || excess < lowest.excess) lowest = found;
     const std::string name = std::string(from) + " with " + Name(diffuse);

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "estimator/initial_values.h"
+#include "estimator/candidate.h"
 #include "estimator/intensity_map.h"
 #include "estimator/rung.h"
 

@@ -3,12 +3,16 @@
 #include <algorithm>
 
 #include "base/format.h"
-#include "estimator/normal_equations.h"
+#include "estimator/eliminate_lights.h"
+#include "estimator/footprints.h"
+#include "estimator/prediction.h"
 
 namespace turnlight::estimator {
 namespace {
 
-constexpr double kLeastShare = 0.002, kPlain = 3.0;
+constexpr double kLeastShare = 0.002;  // of all light
+constexpr double kLeastExcessRatio =
+    3.0;  // of the excess variance without the light to that with it
 
 struct Fit {
   Prediction model;
@@ -53,14 +57,16 @@ Candidate CheckHeldOut(const Observations& held_out, const Sample& sample, Candi
     const double share = (with.sum - without.sum) / std::max(light, 1e-300);
     const double ratio = ExcessVariance(without.square / values, sample.noise) /
                          ExcessVariance(with.square / values, sample.noise);
-    const bool matters = without.square > with.square && (share > kLeastShare || ratio > kPlain);
+    const bool matters =
+        without.square > with.square && (share > kLeastShare || ratio > kLeastExcessRatio);
     const Eigen::Vector3d& u = scene.lights[l].direction;
     ladder.push_back(
         {"held-out light", matters,
          Format("the light from (%+.2f, %+.2f, %+.2f) gives %.2g %% of the light on held-out "
                 "pixels, and without it their excess variance is %.3g times as large; it counts "
                 "from %.1g %% or %.0f times",
-                u.x(), u.y(), u.z(), 100.0 * share, ratio, 100.0 * kLeastShare, kPlain)});
+                u.x(), u.y(), u.z(), 100.0 * share, ratio, 100.0 * kLeastShare,
+                kLeastExcessRatio)});
     if (matters || sample.choice.lights) kept.push_back(scene.lights[l]);
   }
   if (kept.size() == scene.lights.size()) return candidate;

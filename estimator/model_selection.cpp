@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/statistics.h"
+#include "estimator/prediction.h"
+#include "estimator/reported.h"
 #include "estimator/settled_solve.h"
 #include "estimator/uncertainty.h"
 
@@ -26,9 +29,7 @@ double RobustSigma(const Observations& all, const Scene& scene, const EvaluateOp
     for (std::size_t i = 0; i < all.size(); ++i)
       if (all.pixel[i] != Observations::kNoPixel && (!usable || (*usable)[i] != 0))
         residuals.push_back(std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return static_cast<double>(*middle) / 0.6745;
+  return static_cast<double>(Median(residuals)) / kMedianOfNormal;
 }
 
 double Rms(const Observations& all, const Solution& solution) {
@@ -72,7 +73,7 @@ void ChooseSpecular(const Observations& observations, Refined& out, std::vector<
   const auto order = StrengthOrder(scene, observations);
   // The statistical sigma: a highlight that the model describes badly is a highlight nevertheless.
   const Uncertainties sigmas =
-      EstimateUncertainty(out.solution, observations, order, out.options, out.splits);
+      EstimateUncertainty(out.solution, observations, order, out.views_per_distinct, out.splits);
   const Uncertainty& sigma = sigmas.stat;
   const Reported reported = Report(scene, observations, order);
   // The highlight as it is at the target, wherever W's origin is.
@@ -110,8 +111,8 @@ void ChooseDistances(const Observations& observations, const ModelChoice& choice
   const std::size_t lights = out.solution.scene.lights.size();
   std::vector<std::size_t> own_order(lights);
   for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
-  const Uncertainties sigmas =
-      EstimateUncertainty(out.solution, observations, own_order, out.options, out.splits);
+  const Uncertainties sigmas = EstimateUncertainty(out.solution, observations, own_order,
+                                                   out.views_per_distinct, out.splits);
   const Uncertainty& sigma = sigmas.total;
   const Reported reported = Report(out.solution.scene, observations, own_order);
   out.near.assign(lights, false);
@@ -147,9 +148,9 @@ void ChooseDistances(const Observations& observations, const ModelChoice& choice
 }  // namespace
 
 Refined Refine(const Observations& observations, const Scene& start, double noise,
-               const SolveOptions& options, const ModelChoice& choice, std::vector<Rung>& ladder) {
+               double views_per_distinct, const ModelChoice& choice, std::vector<Rung>& ladder) {
   Refined out;
-  out.options = options;
+  out.views_per_distinct = views_per_distinct;
   out.solution.scene = start;
   SolveOn(observations, out);
   ChooseLoss(observations, noise, out, ladder);

@@ -20,6 +20,7 @@ namespace turnlight::estimator {
 struct Refined {
   Solution solution;
   SolveOptions options;
+  double views_per_distinct = 1.0;       // covariances are as much larger: see EstimateUncertainty
   std::vector<bool> near;                // per light
   std::vector<double> inverse_distance;  // per light, about W's origin, with distances free
   std::vector<double> inverse_distance_sigma, inverse_distance_sigma_stat;
@@ -30,6 +31,6 @@ struct Refined {
   ResidualSplits splits;  // of the solution
 };
 Refined Refine(const Observations& observations, const Scene& start, double noise,
-               const SolveOptions& options, const ModelChoice& choice, std::vector<Rung>& ladder);
+               double views_per_distinct, const ModelChoice& choice, std::vector<Rung>& ladder);
 
 }  // namespace turnlight::estimator

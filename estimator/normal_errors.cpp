@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "estimator/observation_access.h"
+#include "estimator/prediction.h"
+#include "estimator/unit_diagonal.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -14,10 +16,10 @@ constexpr double kStep = 1e-3;  // radians
 constexpr double kScatterSigmas = 4.0;
 constexpr double kOutlying = 16.0;  // squared residual over what is expected of it
 constexpr int kRounds = 4;
-constexpr double kMuch = 0.2;  // of the cost
+constexpr double kLeastFallByTilt = 0.2;  // of the cost
 constexpr int kTiltRounds = 6;
-constexpr double kWorthARound = 0.01;  // of the cost
-constexpr double kMostTurn = 0.1;      // radians in a round
+constexpr double kLeastGainPerRound = 0.01;  // of the cost
+constexpr double kMostTurn = 0.1;            // radians in a round
 constexpr double kDamping = 1e-3;
 constexpr int kSolveIterations = 20;
 
@@ -55,7 +57,7 @@ struct Turn {
 
 Turn BestTurn(const NormalEquations& at, const std::vector<int>& free, const TiltResponse& tilts) {
   Eigen::MatrixXd hessian = at.hessian(free, free);
-  const Eigen::VectorXd scale = hessian.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd scale = UnitDiagonalScale(hessian.diagonal());
   hessian = scale.asDiagonal() * hessian * scale.asDiagonal();
   hessian.diagonal().array() += 1e-12;  // what the data do not determine does not follow
   Eigen::MatrixXd mixed(static_cast<Eigen::Index>(free.size()), 3);
@@ -116,8 +118,8 @@ std::optional<Scene> FitTilts(const Observations& pixels, const Solution& soluti
   for (int column = 0; column < columns.count(); ++column)
     if (!solution.held[static_cast<std::size_t>(column)]) free.push_back(column);
   // A robust loss hides what a large tilt leaves.
-  const bool asked =
-      options.huber > 0.0 || BestTurn(untilted, free, response).gain > kWorthARound * untilted.cost;
+  const bool asked = options.huber > 0.0 ||
+                     BestTurn(untilted, free, response).gain > kLeastGainPerRound * untilted.cost;
   if (!asked) return std::nullopt;
   SolveOptions solve;
   solve.max_iterations = kSolveIterations;
@@ -135,14 +137,14 @@ std::optional<Scene> FitTilts(const Observations& pixels, const Solution& soluti
                                TiltNormals(turned, fit.scene, solve.evaluate,
                                            EffectProbe(turned, fit.scene, solve.evaluate)));
     const double angle = turn.by.norm();
-    if (!(turn.gain > kWorthARound * before) || !(angle > 0.0)) break;
+    if (!(turn.gain > kLeastGainPerRound * before) || !(angle > 0.0)) break;
     const Observations next = Tilted(turned, turn.by * std::min(1.0, kMostTurn / angle));
     Solution better = Solve(next, fit.scene, solve);
     if (!(better.equations.cost < fit.equations.cost)) break;
     turned = next;
     fit = std::move(better);
   }
-  if (!(fit.equations.cost < (1.0 - kMuch) * before)) return std::nullopt;
+  if (!(fit.equations.cost < (1.0 - kLeastFallByTilt) * before)) return std::nullopt;
   return fit.scene;
 }
 
@@ -182,7 +184,7 @@ double NormalVariance(const Observations& pixels, const Prediction& model,
       sum += (y - 1.0) * (y - 1.0);
       count += 1.0;
     }
-    const Eigen::Vector4d scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::Vector4d scale = UnitDiagonalScale(normal.diagonal());
     const Eigen::LDLT<Eigen::Matrix4d> factors(scale.asDiagonal() * normal * scale.asDiagonal());
     best = scale.asDiagonal() * factors.solve(scale.asDiagonal() * right);
     const Eigen::Vector4d unit = Eigen::Vector4d::Unit(3) * scale[3];

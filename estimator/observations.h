@@ -12,29 +12,12 @@
 #include <vector>
 
 #include "calib/camera_model.h"
+#include "estimator/bfloat16.h"
 #include "estimator/geometry.h"
 #include "estimator/keyframe.h"
+#include "estimator/trace_pixels.h"
 
 namespace turnlight::estimator {
-
-// Why a pixel is not used; the bits of a flag picture. 0: used.
-enum PixelFlag : std::uint8_t {
-  kOffTarget = 1,      // the ray misses the target, or the mask says it is not the target
-  kSaturated = 2,      // clipped, not finite, or one of the 8 neighbours of such a pixel
-  kSilhouette = 4,     // within two pixels of the outline, or across a jump of depth or normal
-  kGrazing = 8,        // seen too flat for its footprint to be trusted
-  kUnlikeOthers = 16,  // an outlier among its neighbours
-  kLostInNoise = 32,   // cut off at the sensor's floor
-};
-
-// bfloat16: the upper half of a float. Two to three digits are plenty for a footprint.
-using BFloat16 = std::uint16_t;
-BFloat16 ToBFloat16(float value);
-float FromBFloat16(BFloat16 value);
-
-// The part of a pixel's width over which it averages. Of the mean over 5 x 5 points, as renderers
-// take it (ours by default too), the variance is 24/25 of a box's; a camera's is known no better.
-inline constexpr double kAperture = 0.97979589711327124;
 
 // Pixels are stored in tiles of this many; a last tile of a keyframe is filled with weightless
 // pixels.
@@ -73,6 +56,8 @@ struct Observations {
   std::size_t used = 0;  // pixels that are not filling
 
   static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
+  // So many entries, all of them filling. channels and caster must be set.
+  void Resize(std::size_t size);
   std::size_t size() const { return pixel.size(); }
   std::size_t tiles() const { return pixel.size() / kTile; }
 };
@@ -86,15 +71,5 @@ Observations BuildObservations(const std::vector<Keyframe>& keyframes, const Geo
 // The observations of several keyframes, each built alone, as if built together: about the centroid
 // of all. Parts must share geometry; none may be a subsample.
 Observations Concatenate(const std::vector<Observations>& parts);
-
-// A subset of about `count` pixels, in order, in one run of tiles, for starts. A pixel is picked
-// with a probability that grows with its gradient along the row (sharp highlights are few pixels),
-// by a random number that is a function of (seed, index) only.
-Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed);
-
-// As Subsample, but every pixel that is usable (null: all) with the same probability: a gradient in
-// a noisy picture is larger where the noise is, and what is picked by it has a mean.
-Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
-                           const std::vector<std::uint8_t>* usable);
 
 }  // namespace turnlight::estimator

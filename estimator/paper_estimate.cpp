@@ -1,11 +1,19 @@
 #include "estimator/paper_estimate.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <string>
 
-#include "estimator/normal_equations.h"
+#include "base/format.h"
+#include "estimator/coordinates.h"
+#include "estimator/intensity_map.h"
+#include "estimator/notes.h"
+#include "estimator/observed_scene.h"
+#include "estimator/radiance_statistics.h"
+#include "estimator/residual_maps.h"
+#include "estimator/views.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -37,13 +45,11 @@ std::string CountText(const PaperSolution& solution) {
 }
 
 void AddPaperNotes(const PaperOptions& options, Estimate& out) {
-  char distance[32];
-  std::snprintf(distance, sizeof distance, "%.6g", options.ceiling_distance);
   out.notes.push_back(
       {"distance-brightness-equivalent",
        std::string("The paper's lights have no intensity of their own: each is taken to be as "
                    "bright as one that gives the irradiance 1 from the distance ") +
-           distance +
+           Format("%.6g", options.ceiling_distance) +
            " (--ceiling-distance, in the session's unit). Distances and positions are those of "
            "such a light, not metric."});
   out.notes.push_back({"sigma-none",
@@ -53,12 +59,15 @@ void AddPaperNotes(const PaperOptions& options, Estimate& out) {
   if (out.channels == 1)
     out.notes.push_back(
         {"grey", "The pictures are grey: albedo and products repeat one value for R, G and B."});
-  if (out.stopped != "converged")
+  if (out.stopped == Stopped::kIterationLimit)
     out.notes.push_back({"not-converged", "The descent reached its limit of iterations."});
 }
 
-}  // namespace
+double Seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
+// Lights, reflectance, residuals, decisions and notes.
 void FillFromPaper(const Observations& observations, const PaperSolution& solution,
                    const PaperOptions& options, Estimate& out) {
   const Scene world = ToWorld(solution.scene, observations);
@@ -84,8 +93,34 @@ void FillFromPaper(const Observations& observations, const PaperSolution& soluti
   out.rms = out.history.back().rms;
   out.pixels = observations.used;
   out.iterations = solution.descent.iterations;
-  out.stopped = solution.descent.converged ? "converged" : "iteration-limit";
+  out.stopped = solution.descent.converged ? Stopped::kTolerance : Stopped::kIterationLimit;
   AddPaperNotes(options, out);
+}
+
+}  // namespace
+
+Result<EstimateOutput> EstimateByPaper(const std::vector<Keyframe>& keyframes,
+                                       const Geometry& geometry, const calib::RayGrid& rays,
+                                       const PaperOptions& options) {
+  const double begin = Seconds();
+  const auto observed = ObserveScene(keyframes, geometry, rays);
+  if (!observed) return Forward(observed);
+  const Observations& all = observed->pixels;
+  EstimateOutput out;
+  out.map = MakeIntensityMap(all);
+  const double mapped = Seconds();
+  const auto solution = SolveByPaper(all, out.map, options);
+  if (!solution) return Forward(solution);
+  Estimate& estimate = out.estimate;
+  FillFromPaper(all, *solution, options, estimate);
+  estimate.views = static_cast<int>(keyframes.size());
+  estimate.distinct_views = DistinctViews(observed->signatures, EstimateNoise(all));
+  AddViewsNote(estimate);
+  AddOutliersNote(observed->counts, estimate);
+  estimate.initial_s = mapped - begin;
+  estimate.solve_s = Seconds() - mapped;
+  out.residuals = ResidualMaps(all, solution->scene, {}, {rays.width(), rays.height()});
+  return out;
 }
 
 }  // namespace turnlight::estimator

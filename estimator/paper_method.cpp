@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/angles.h"
-#include "estimator/initial_values.h"
 #include "estimator/normal_equations.h"
+#include "estimator/radiance_statistics.h"
 #include "estimator/solver.h"
 
 namespace turnlight::estimator {

@@ -58,7 +58,7 @@ double ShadowShare(const PictureView& view, const calib::PlaneShape& board,
                    const Vector3d& normal_W, const VirtualSphere& sphere, const Disc& disc) {
   double all = 0.0, shown = 0.0;
   for (const Light& light : view.scene.lights) {
-    const Vector3d to_light = light.direction - light.inverse_distance * sphere.center;
+    const Vector3d to_light = light.Toward(sphere.center);
     const double cosine = normal_W.dot(to_light) / to_light.norm();
     if (cosine <= 0.0) continue;
     const double irradiance = light.intensity * cosine / to_light.squaredNorm();
@@ -180,7 +180,7 @@ double LightAt(const PictureView& view, const Vector3d& center_W) {
   const double radius = view.geometry.radius();
   double sum = 0.0;
   for (const Light& light : view.scene.lights) {
-    const Vector3d to_light = light.direction - light.inverse_distance * center_W;
+    const Vector3d to_light = light.Toward(center_W);
     const Vector3d unit = to_light.normalized();
     const double along = to_target.dot(unit);
     const bool hidden = along > 0.0 && (to_target - along * unit).norm() < radius;

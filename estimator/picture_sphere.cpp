@@ -22,7 +22,7 @@ struct LightRay {
 };
 
 LightRay RayTo(const Light& light, const Vector3d& p_W) {
-  const Vector3d to_light = light.direction - light.inverse_distance * p_W;
+  const Vector3d to_light = light.Toward(p_W);
   const double length = to_light.norm();
   return {to_light / length,
           light.inverse_distance > 0.0 ? length / light.inverse_distance : kInfinity,

@@ -27,7 +27,7 @@ struct View {
     LightMask visible = kAllLights;
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
       const Light& light = scene.lights[l];
-      const Vector3d to_light = light.direction - light.inverse_distance * p_W;
+      const Vector3d to_light = light.Toward(p_W);
       const double length = to_light.norm();
       const double distance = light.inverse_distance > 0.0
                                   ? length / light.inverse_distance

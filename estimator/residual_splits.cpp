@@ -4,7 +4,9 @@
 #include <functional>
 #include <memory>
 
+#include "base/statistics.h"
 #include "estimator/kernel/tile_kernel.h"
+#include "estimator/prediction.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -30,11 +32,10 @@ Eigen::VectorXd GradientOfLower(const Observations& all, const Solution& solutio
   for (std::size_t i = 0; i < all.size(); ++i)
     if (used(i)) values.push_back(value(i));
   if (values.empty()) return Eigen::VectorXd::Zero(solution.equations.gradient.size());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
+  const float middle = Median(values);
   auto half = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (used(i) && value(i) < *middle) (*half)[i] = 1;
+    if (used(i) && value(i) < middle) (*half)[i] = 1;
   EvaluateOptions options = solution.evaluate;
   options.gradient_only = true;
   options.shadows.usable = std::move(half);

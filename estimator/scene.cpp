@@ -6,7 +6,7 @@
 namespace turnlight::estimator {
 
 Light Recentred(const Light& light, const Eigen::Vector3d& new_origin) {
-  const Eigen::Vector3d to_light = light.direction - light.inverse_distance * new_origin;
+  const Eigen::Vector3d to_light = light.Toward(new_origin);
   const double scale = to_light.norm();
   Light result = light;
   result.direction = to_light / scale;
@@ -52,6 +52,8 @@ double SpecularTerm(const Reflectance& reflectance, const Eigen::Vector3d& norma
   return 0.0;
 }
 
+double LobeHalfWidth(double shininess) { return std::acos(std::exp2(-1.0 / shininess)); }
+
 Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
                       const Eigen::Vector3d& normal_W, const Eigen::Vector3d& to_viewer_W,
                       LightMask visible) {
@@ -62,7 +64,7 @@ Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
     if ((visible >> l & 1) == 0) continue;
     const Light& light = scene.lights[l];
-    const Eigen::Vector3d to_light = light.direction - light.inverse_distance * p_W;
+    const Eigen::Vector3d to_light = light.Toward(p_W);
     const double squared = to_light.squaredNorm();
     const Eigen::Vector3d unit = to_light / std::sqrt(squared);
     const Eigen::Vector3d irradiance = light.intensity / squared * light.color;

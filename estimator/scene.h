@@ -21,6 +21,11 @@ struct Light {
   double inverse_distance = 0.0;                         // rho >= 0, 1 / length unit
   double intensity = 1.0;                                // irradiance at W's origin, >= 0
   Eigen::Vector3d color = Eigen::Vector3d::Ones();       // R, G, B; multiplies the intensity
+
+  // u - rho x: from x towards the light; its length is that from x over that from the origin.
+  Eigen::Vector3d Toward(const Eigen::Vector3d& x) const {
+    return direction - inverse_distance * x;
+  }
 };
 
 // The same light seen from a new origin (given in the old coordinates):
@@ -58,6 +63,9 @@ double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal
 // both un-normalised and without a factor n.l; or 0.
 double SpecularTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
                     const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);
+
+// The half-width of a lobe cos^n, radians: acos(2^(-1/n)).
+double LobeHalfWidth(double shininess);
 
 // At most this many lights in a scene: one bit each says which of them a point sees.
 inline constexpr std::size_t kMaxLights = 64;

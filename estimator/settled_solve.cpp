@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "estimator/footprints.h"
+
 namespace turnlight::estimator {
 namespace {
 

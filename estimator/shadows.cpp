@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "estimator/observation_access.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -13,11 +14,6 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kChunk = 4096;  // observations per unit of parallel work
 constexpr double kEdgeMargin = 1.25;  // half footprints around an attached shadow's edge
-
-Vector3d At(const std::array<std::vector<float>, 3>& from, std::size_t i) {
-  return {static_cast<double>(from[0][i]), static_cast<double>(from[1][i]),
-          static_cast<double>(from[2][i])};
-}
 
 struct LightPlanes {
   Plane lit, blocked;
@@ -32,7 +28,7 @@ LightPlanes Cast(const Observations& all, const Light& light) {
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
       if (all.pixel[i] == Observations::kNoPixel) continue;
       const Vector3d x = At(all.position, i);
-      const Vector3d to_light = light.direction - light.inverse_distance * x;
+      const Vector3d to_light = light.Toward(x);
       if (!(At(all.normal, i).dot(to_light) > 0.0)) continue;
       const double length = to_light.norm();
       const double distance = light.inverse_distance > 0.0
@@ -53,15 +49,6 @@ bool Near(const Light& a, const Light& b, double tolerance) {
          std::abs(a.inverse_distance - b.inverse_distance) <= tolerance;
 }
 
-double Change(const std::array<std::vector<BFloat16>, 6>& footprint, int first, std::size_t i) {
-  double square = 0.0;
-  for (int k = first; k < first + 3; ++k) {
-    const auto component = static_cast<double>(FromBFloat16(footprint[k][i]));
-    square += component * component;
-  }
-  return std::sqrt(square);
-}
-
 // Marks every pixel through which the edge of an attached shadow runs: the mean of a clamped cosine
 // is not the cosine clamped. With w = 2 (n.v) n - v the normal turns by at most |dw| / (2 n.v).
 void MarkTerminators(const Observations& all, const std::vector<Light>& lights,
@@ -71,11 +58,11 @@ void MarkTerminators(const Observations& all, const std::vector<Light>& lights,
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
       if (all.pixel[i] == Observations::kNoPixel) continue;
       const Vector3d x = At(all.position, i), n = At(all.normal, i);
-      const double turn = (Change(all.footprint, 0, i) + Change(all.footprint, 3, i)) /
+      const double turn = (At(all.footprint, 0, i).norm() + At(all.footprint, 3, i).norm()) /
                           (2.0 * std::max(n.dot(At(all.mirrored, i)), 0.05));
       const double margin = 0.5 * half_footprints * turn;
       for (const Light& light : lights) {
-        const Vector3d to_light = light.direction - light.inverse_distance * x;
+        const Vector3d to_light = light.Toward(x);
         if (std::abs(n.dot(to_light)) < margin * to_light.norm()) usable[i] = 0;
       }
     }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "estimator/box_quadratic.h"
+#include "estimator/unit_diagonal.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -60,39 +61,6 @@ std::vector<Limits> LimitsOf(const Columns& columns, const Scene& start,
   return limits;
 }
 
-// The value of each column; tangents are relative to the direction, so theirs are 0.
-Eigen::VectorXd Values(const Scene& scene, const Columns& columns) {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(columns.count());
-  const Reflectance& r = scene.reflectance;
-  for (int c = 0; c < columns.channels; ++c) out[columns.Albedo(c)] = r.albedo[c];
-  out[columns.Ambient()] = r.ambient;
-  out[columns.Diffuse()] = r.diffuse;
-  out[columns.Specular()] = r.specular;
-  out[columns.LogShininess()] = std::log(r.shininess);
-  out[columns.RoughnessSquared()] = r.roughness * r.roughness;
-  for (int l = 0; l < columns.lights; ++l) {
-    const Light& light = scene.lights[static_cast<std::size_t>(l)];
-    out[columns.Intensity(l)] = light.intensity;
-    out[columns.InverseDistance(l)] = light.inverse_distance;
-  }
-  return out;
-}
-
-Scene WithinBounds(Scene scene) {
-  Reflectance& r = scene.reflectance;
-  r.albedo = r.albedo.cwiseMax(0.0);
-  r.ambient = std::max(r.ambient, 0.0);
-  r.diffuse = std::max(r.diffuse, 0.0);
-  r.specular = std::max(r.specular, 0.0);
-  r.shininess = std::clamp(r.shininess, kMinShininess, kMaxShininess);
-  r.roughness = std::clamp(r.roughness, 0.0, kMaxRoughness);
-  for (Light& light : scene.lights) {
-    light.intensity = std::max(light.intensity, 0.0);
-    light.inverse_distance = std::clamp(light.inverse_distance, 0.0, kMaxInverseDistance);
-  }
-  return scene;
-}
-
 // The step of the damped normal equations within the bounds, columns scaled to unit diagonal.
 Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::VectorXd& values,
                            const std::vector<Limits>& limits, double damping) {
@@ -107,7 +75,7 @@ Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::Vector
     high[i] = scale[i] * std::max(std::min(limit.high - values[i], limit.step), 0.0);
     if (scale[i] == 0.0) low[i] = high[i] = 0.0;
   }
-  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const Eigen::VectorXd inverse = InverseOrZero(scale);
   Eigen::MatrixXd scaled = inverse.asDiagonal() * equations.hessian * inverse.asDiagonal();
   scaled.diagonal() *= 1.0 + damping;
   const Eigen::VectorXd slope = inverse.asDiagonal() * equations.gradient;
@@ -121,28 +89,6 @@ bool Finite(const NormalEquations& equations) {
 
 }  // namespace
 
-Scene Moved(const Scene& scene, const Columns& columns, const Eigen::VectorXd& step) {
-  Scene out = scene;
-  Reflectance& r = out.reflectance;
-  for (int c = 0; c < columns.channels; ++c) r.albedo[c] += step[columns.Albedo(c)];
-  if (columns.channels == 1) r.albedo.setConstant(r.albedo[0]);
-  r.ambient += step[columns.Ambient()];
-  r.diffuse += step[columns.Diffuse()];
-  r.specular += step[columns.Specular()];
-  r.shininess *= std::exp(step[columns.LogShininess()]);
-  const double squared = r.roughness * r.roughness + step[columns.RoughnessSquared()];
-  if (step[columns.RoughnessSquared()] != 0.0) r.roughness = std::sqrt(std::max(squared, 0.0));
-  for (int l = 0; l < columns.lights; ++l) {
-    Light& light = out.lights[static_cast<std::size_t>(l)];
-    light.intensity += step[columns.Intensity(l)];
-    light.inverse_distance += step[columns.InverseDistance(l)];
-    light.direction =
-        (light.direction + TangentBasis(light.direction) * step.segment<2>(columns.Tangent(l)))
-            .normalized();
-  }
-  return out;
-}
-
 Solution Solve(const Observations& observations, const Scene& start, const SolveOptions& options) {
   Solution out;
   out.scene = WithinBounds(start);
@@ -152,7 +98,12 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
   out.equations = Evaluate(observations, out.scene, options.evaluate);
   out.cost_history.push_back(out.equations.cost);
   double damping = kFirstDamping;
-  while (Finite(out.equations) && out.iterations < options.max_iterations && !out.converged) {
+  bool done = false;
+  if (!Finite(out.equations)) {
+    out.stopped = Stopped::kNotFinite;
+    done = true;
+  }
+  while (!done && out.iterations < options.max_iterations) {
     const double cost = out.equations.cost;
     const Eigen::VectorXd step =
         DampedStep(out.equations, Values(out.scene, columns), limits, damping);
@@ -160,7 +111,7 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
         -step.dot(out.equations.gradient + 0.5 * (out.equations.hessian * step));
     if (!(predicted > kRounding * cost) || damping > kMostDamping) {
       // Nothing to gain: at the minimum, or (its step not finite) as close as it can be known.
-      out.converged = true;
+      out.stopped = predicted <= kRounding * cost ? Stopped::kTolerance : Stopped::kNoDescent;
       break;
     }
     Scene trial = WithinBounds(Moved(out.scene, columns, step));
@@ -171,10 +122,10 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
       damping *= 10.0;
       out.cost_history.push_back(cost);
       // What it might gain is less than matters.
-      out.converged = predicted <= options.function_tolerance * cost;
+      done = predicted <= options.function_tolerance * cost;
       continue;
     }
-    out.converged = gained <= options.function_tolerance * cost && damping <= kGaussNewton;
+    done = gained <= options.function_tolerance * cost && damping <= kGaussNewton;
     const double gain = gained / predicted;
     damping *= gain > 0.75 ? 0.1 : gain > 0.25 ? 0.5 : 4.0;
     damping = std::max(damping, kLeastDamping);
@@ -182,27 +133,8 @@ Solution Solve(const Observations& observations, const Scene& start, const Solve
     out.equations = std::move(equations);
     out.cost_history.push_back(out.equations.cost);
   }
+  if (done && out.stopped == Stopped::kIterationLimit) out.stopped = Stopped::kTolerance;
   for (const Limits& limit : limits) out.held.push_back(limit.held);
-  return out;
-}
-
-Scene Normalised(const Scene& scene) {
-  Scene out = scene;
-  Reflectance& r = out.reflectance;
-  const double albedo = r.albedo.maxCoeff();
-  if (albedo > 0.0) {
-    r.albedo /= albedo;
-    r.ambient *= albedo;
-    r.diffuse *= albedo;
-  }
-  std::stable_sort(out.lights.begin(), out.lights.end(),
-                   [](const Light& a, const Light& b) { return a.intensity > b.intensity; });
-  if (!out.lights.empty() && out.lights.front().intensity > 0.0) {
-    const double strongest = out.lights.front().intensity;
-    for (Light& light : out.lights) light.intensity /= strongest;
-    r.diffuse *= strongest;
-    r.specular *= strongest;
-  }
   return out;
 }
 

@@ -9,10 +9,6 @@
 
 namespace turnlight::estimator {
 
-// Bounds of the solver's coordinates (design, section 3), besides those of shininess.
-inline constexpr double kMaxRoughness = 1.5707963;   // radians of facet slope
-inline constexpr double kMaxInverseDistance = 0.95;  // in 1/R: a light stays outside the target
-
 // What is held to fix the scale between lights and reflectance.
 enum class Gauge {
   kStrongestLight,  // the strongest light's intensity: good also where there is no diffuse part
@@ -26,8 +22,14 @@ struct SolveOptions {
   bool free_directions = true;
   std::vector<bool> fixed_distance;  // per light; empty: all distances are free
   EvaluateOptions evaluate;
-  // Views per distinct view: what repeats tells nothing new, and covariances are as much larger.
-  double redundancy = 1.0;
+};
+
+// Why a solve ended.
+enum class Stopped {
+  kTolerance,       // a step would gain, or gained, less than the tolerance or than rounding
+  kNoDescent,       // no step lowers the cost, however strongly it is damped
+  kIterationLimit,  // max_iterations
+  kNotFinite,       // the cost, its gradient or its matrix is not finite at the start
 };
 
 struct Solution {
@@ -36,7 +38,7 @@ struct Solution {
   std::vector<double> cost_history;  // before the first and after each iteration
   std::vector<bool> held;            // per column: by the gauge, the model or the options
   int iterations = 0;
-  bool converged = false;
+  Stopped stopped = Stopped::kIterationLimit;
   EvaluateOptions evaluate;  // what it was solved with
 };
 
@@ -44,12 +46,5 @@ struct Solution {
 // names, keep the values they have in the start. Specular parameters are free unless the
 // model is kNone, roughness if the model is kOrenNayar. Deterministic for any number of threads.
 Solution Solve(const Observations& observations, const Scene& start, const SolveOptions& options);
-
-// The scene moved by a step in the columns' coordinates; directions along their tangents.
-Scene Moved(const Scene& scene, const Columns& columns, const Eigen::VectorXd& step);
-
-// Puts a scene in the gauge of the results: max(albedo) = 1, the strongest light has intensity 1,
-// lights strongest first. The pictures it makes do not change.
-Scene Normalised(const Scene& scene);
 
 }  // namespace turnlight::estimator

@@ -7,7 +7,11 @@
 #include <limits>
 #include <optional>
 
+#include "estimator/coordinates.h"
+#include "estimator/evaluate_options.h"
+#include "estimator/tangent_basis.h"
 #include "estimator/uncertainty_parts.h"
+#include "estimator/unit_diagonal.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -55,7 +59,7 @@ std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unk
 }
 
 Covariance Invert(const Solution& solution, const Observations& observations,
-                  const Columns& columns, const SolveOptions& options) {
+                  const Columns& columns, double views_per_distinct) {
   Covariance out;
   out.unknowns = Unknowns(solution, columns);
   const auto n = static_cast<Eigen::Index>(out.unknowns.size());
@@ -80,7 +84,7 @@ Covariance Invert(const Solution& solution, const Observations& observations,
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
   const double values = ValueCount(observations, solution.evaluate);
-  const double variance = options.redundancy * 2.0 * solution.equations.cost /
+  const double variance = views_per_distinct * 2.0 * solution.equations.cost /
                           std::max(values - static_cast<double>(n), 1.0);
   out.variance = variance;
   double smallest = largest;
@@ -97,7 +101,7 @@ Covariance Invert(const Solution& solution, const Observations& observations,
     out.matrix += variance / value * (vector * vector.transpose());
   }
   out.condition = largest / smallest;
-  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const Eigen::VectorXd inverse = InverseOrZero(scale);
   out.matrix = inverse.asDiagonal() * out.matrix * inverse.asDiagonal();
   return out;
 }
@@ -195,50 +199,14 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
 
 }  // namespace
 
-std::vector<std::size_t> StrengthOrder(const Scene& solver_scene,
-                                       const Observations& observations) {
-  const Scene world = ToWorld(solver_scene, observations);
-  std::vector<std::size_t> order(world.lights.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return world.lights[a].intensity > world.lights[b].intensity;
-  });
-  return order;
-}
-
-Reported Report(const Scene& solver_scene, const Observations& observations,
-                const std::vector<std::size_t>& order) {
-  const Scene world = ToWorld(solver_scene, observations);
-  Reported out;
-  Reflectance& r = out.reflectance;
-  r = world.reflectance;
-  const double albedo = std::max(r.albedo.maxCoeff(), 1e-300);
-  const double strongest = order.empty() ? 1.0 : std::max(world.lights[order[0]].intensity, 1e-300);
-  r.albedo /= albedo;
-  r.ambient *= albedo;
-  r.diffuse *= albedo * strongest;
-  r.specular *= strongest;
-  out.ambient_product = r.albedo * r.ambient;
-  for (const std::size_t index : order) {
-    ReportedLight& light = out.lights.emplace_back();
-    light.light = world.lights[index];
-    light.light.intensity /= strongest;
-    light.direction_at_reference = solver_scene.lights[index].direction;
-    light.diffuse_product = r.albedo * (r.diffuse * light.light.intensity);
-    light.specular_product = r.specular * light.light.intensity;
-    light.inverse_distance_at_reference = solver_scene.lights[index].inverse_distance;
-  }
-  return out;
-}
-
 Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,
-                                  const std::vector<std::size_t>& order,
-                                  const SolveOptions& options, const ResidualSplits& splits) {
+                                  const std::vector<std::size_t>& order, double views_per_distinct,
+                                  const ResidualSplits& splits) {
   const Columns columns{observations.channels, static_cast<int>(solution.scene.lights.size())};
-  const Covariance covariance = Invert(solution, observations, columns, options);
+  const Covariance covariance = Invert(solution, observations, columns, views_per_distinct);
   const Carried carried =
       CarryOver(solution, observations, order, columns, covariance, splits.unmodelled.straightened);
-  const Parts parts = PartsOf(solution, columns, splits, covariance, carried, options.redundancy);
+  const Parts parts = PartsOf(solution, columns, splits, covariance, carried, views_per_distinct);
   Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
                     Unflatten(parts.stat, carried.unknown, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {

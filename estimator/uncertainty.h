@@ -6,32 +6,12 @@
 #include <vector>
 
 #include "estimator/observations.h"
+#include "estimator/reported.h"
 #include "estimator/residual_splits.h"
 #include "estimator/scene.h"
 #include "estimator/solver.h"
 
 namespace turnlight::estimator {
-
-// What is reported about a scene, in W and in the gauge of the results (max(albedo) = 1, light 0
-// has intensity 1), lights in a fixed order.
-struct ReportedLight {
-  Light light;
-  Eigen::Vector3d direction_at_reference;      // from the reference point
-  Eigen::Vector3d diffuse_product;             // O k_d I
-  double specular_product = 0.0;               // k_s I
-  double inverse_distance_at_reference = 0.0;  // in 1/R
-};
-struct Reported {
-  std::vector<ReportedLight> lights;
-  Reflectance reflectance;
-  Eigen::Vector3d ambient_product;  // O k_a
-};
-
-// order[i]: which of the scene's lights is reported as number i.
-Reported Report(const Scene& solver_scene, const Observations& observations,
-                const std::vector<std::size_t>& order);
-// Strongest (at W's origin) first.
-std::vector<std::size_t> StrengthOrder(const Scene& solver_scene, const Observations& observations);
 
 // Standard deviations of the same quantities; NaN where the data do not determine one.
 struct LightSigma {
@@ -72,9 +52,10 @@ struct Uncertainties {
 // distance of a light held to be distant, and what unmodelled.h tries. Texture is in the diffuse
 // and ambient values. Squares add up. Carried to the reported quantities by their
 // derivatives (central differences). What ended at a bound counts as free, so that a light that
-// looks distant still has a sigma. splits: of this solution.
+// looks distant still has a sigma. splits: of this solution. views_per_distinct: what repeats tells
+// nothing new, and covariances are as much larger.
 Uncertainties EstimateUncertainty(const Solution& solution, const Observations& observations,
-                                  const std::vector<std::size_t>& order,
-                                  const SolveOptions& options, const ResidualSplits& splits);
+                                  const std::vector<std::size_t>& order, double views_per_distinct,
+                                  const ResidualSplits& splits);
 
 }  // namespace turnlight::estimator

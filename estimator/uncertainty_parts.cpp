@@ -1,8 +1,9 @@
 #include "estimator/uncertainty_parts.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "estimator/unit_diagonal.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -48,25 +49,11 @@ void AddHalf(const Eigen::VectorXd& gradient, const Scales& scales, Parts& out) 
   AddShift(shift, out.model);
 }
 
-// The normal equations' matrix over the unknowns, ready to be solved with; scaled to unit diagonal.
-struct Factors {
-  Eigen::VectorXd scale;
-  Eigen::LLT<Eigen::MatrixXd> llt;
-
-  explicit Factors(const Eigen::MatrixXd& matrix)
-      : scale(matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
-        llt(scale.asDiagonal() * matrix * scale.asDiagonal()) {}
-  bool Good() const { return llt.info() == Eigen::Success; }
-  Eigen::VectorXd Solve(const Eigen::VectorXd& right) const {
-    return scale.asDiagonal() * llt.solve(scale.asDiagonal() * right);
-  }
-};
-
 // What leaving out the pixels near edges changes, as far as it is more than noise.
 void AddEdges(const NormalEquations& all, const NormalEquations& edges, const Scales& scales,
               Parts& out) {
   const std::vector<int>& unknowns = scales.covariance.unknowns;
-  const Factors rest((all.hessian - edges.hessian)(unknowns, unknowns));
+  const ScaledFactor rest((all.hessian - edges.hessian)(unknowns, unknowns));
   if (!rest.Good()) return;  // without them some things are not determined
   Eigen::VectorXd shift = scales.jacobian * rest.Solve(edges.gradient(unknowns));
   for (Eigen::Index q = 0; q < shift.size(); ++q) {
@@ -113,7 +100,7 @@ void AddSearched(const Extra& extra, double coarse, const Scales& scales, Parts&
 // What letting in what the pictures ask for would change.
 void AddUnmodelled(const Unmodelled& unmodelled, const Scales& scales, Parts& out) {
   const std::vector<int>& unknowns = scales.covariance.unknowns;
-  const Factors sample(unmodelled.as_modelled.hessian(unknowns, unknowns));
+  const ScaledFactor sample(unmodelled.as_modelled.hessian(unknowns, unknowns));
   if (!sample.Good()) return;
   const Eigen::VectorXd own = unmodelled.as_modelled.gradient(unknowns);
   // Nothing if the unknowns can follow it anyway: then it is not told apart from them.
@@ -236,7 +223,7 @@ void AllowForClusters(const Eigen::MatrixXd& gradients, const Scales& scales, Pa
 }  // namespace
 
 Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSplits& splits,
-              const Covariance& covariance, const Carried& carried, double redundancy) {
+              const Covariance& covariance, const Carried& carried, double views_per_distinct) {
   const Eigen::MatrixXd& jacobian = carried.jacobian;
   Parts out;
   out.stat = jacobian * covariance.matrix * jacobian.transpose();
@@ -250,7 +237,7 @@ Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSp
     return Eigen::MatrixXd(gradients(unknowns, Eigen::all) *
                            std::sqrt(count / std::max(count - 1.0, 1.0)));
   };
-  const Eigen::MatrixXd clusters = std::sqrt(redundancy) * corrected(splits.clusters);
+  const Eigen::MatrixXd clusters = std::sqrt(views_per_distinct) * corrected(splits.clusters);
   AllowForClusters(clusters, scales, out);
   // Views that repeat are together in a place already.
   if (splits.places.cols() > 0) AllowForClusters(corrected(splits.places), scales, out);

@@ -43,6 +43,6 @@ struct Parts {
 };
 
 Parts PartsOf(const Solution& solution, const Columns& columns, const ResidualSplits& splits,
-              const Covariance& covariance, const Carried& carried, double redundancy);
+              const Covariance& covariance, const Carried& carried, double views_per_distinct);
 
 }  // namespace turnlight::estimator

@@ -5,9 +5,13 @@
 #include <functional>
 #include <numbers>
 
-#include "estimator/missing_lights.h"
+#include "estimator/footprints.h"
+#include "estimator/matched_filter.h"
 #include "estimator/normal_errors.h"
 #include "estimator/observation_access.h"
+#include "estimator/prediction.h"
+#include "estimator/sampling.h"
+#include "estimator/tangent_basis.h"
 
 namespace turnlight::estimator {
 namespace {

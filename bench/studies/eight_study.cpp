@@ -59,11 +59,10 @@ Json WithPaper(const rig::SyntheticConfig& config) {
   const auto session = rig::SynthesizeInMemory(config);
   if (!session) return Json{{"failed", session.error().text}};
   Json record = Joined(Describe(config), EstimateAndScore(*session));
-  estimator::EstimateOptions options;
-  options.paper.emplace();
-  options.paper->ceiling_distance = 2500.0;  // mm
-  options.paper->up = Eigen::Vector3d::UnitZ();
-  record["paper"] = EstimateAndScore(*session, options);
+  estimator::PaperOptions options;
+  options.ceiling_distance = 2500.0;  // mm
+  options.up = Eigen::Vector3d::UnitZ();
+  record["paper"] = EstimateAndScoreByPaper(*session, options);
   return record;
 }
 

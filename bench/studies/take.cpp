@@ -22,25 +22,44 @@ std::string SensorWord(const rig::Sensor& sensor) {
                                                                : " linear");
 }
 
-}  // namespace
-
-Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
-                               const estimator::EstimateOptions& options) {
+// method: what to do with keyframes, geometry and rays.
+template <typename Method>
+Result<Json> EstimateBy(const rig::SyntheticSession& session, const Method& method) {
   const auto keyframes = rig::ToKeyframes(session);
   const auto start = std::chrono::steady_clock::now();
   const estimator::Geometry geometry(session.target);
   const calib::RayGrid rays(session.camera);
-  const auto output = estimator::EstimateScene(keyframes, geometry, rays, options);
+  const auto output = method(keyframes, geometry, rays);
   if (!output) return Forward(output);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return app::ResultToJson(output->estimate, "study", "lm", {0.0, seconds});
 }
 
+Json ScoreOrFailure(const rig::SyntheticSession& session, const Result<Json>& result) {
+  return result ? Score(session.scene, *result) : Json{{"failed", result.error().text}};
+}
+
+}  // namespace
+
+Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
+                               const estimator::EstimateOptions& options) {
+  return EstimateBy(session, [&](const auto& keyframes, const auto& geometry, const auto& rays) {
+    return estimator::EstimateScene(keyframes, geometry, rays, options);
+  });
+}
+
 Json EstimateAndScore(const rig::SyntheticSession& session,
                       const estimator::EstimateOptions& options) {
-  const auto result = EstimateSynthetic(session, options);
-  return result ? Score(session.scene, *result) : Json{{"failed", result.error().text}};
+  return ScoreOrFailure(session, EstimateSynthetic(session, options));
+}
+
+Json EstimateAndScoreByPaper(const rig::SyntheticSession& session,
+                             const estimator::PaperOptions& options) {
+  return ScoreOrFailure(session, EstimateBy(session, [&](const auto& keyframes,
+                                                         const auto& geometry, const auto& rays) {
+                          return estimator::EstimateByPaper(keyframes, geometry, rays, options);
+                        }));
 }
 
 Json TakeAndScore(const rig::SyntheticConfig& config, const estimator::EstimateOptions& options) {

@@ -3,6 +3,7 @@
 
 #include "bench/studies/study_file.h"
 #include "estimator/estimate.h"
+#include "estimator/paper_estimate.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/synthetic_session.h"
 
@@ -16,6 +17,10 @@ Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
 // The estimate of these pictures beside session.scene; what was refused is the record's "failed".
 Json EstimateAndScore(const rig::SyntheticSession& session,
                       const estimator::EstimateOptions& options = {});
+
+// The same by the paper's method.
+Json EstimateAndScoreByPaper(const rig::SyntheticSession& session,
+                             const estimator::PaperOptions& options);
 
 // Makes the pictures in memory (with the sensor's bits, encoding and clipping), estimates, scores.
 Json TakeAndScore(const rig::SyntheticConfig& config,

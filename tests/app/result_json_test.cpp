@@ -51,7 +51,7 @@ estimator::Estimate Example() {
   e.views = 36;
   e.ladder = {{"one more light", false, "it explains 0.01 % of the energy"}};
   e.notes = {{"views-add-nothing", "all views show the same"}};
-  e.stopped = "converged";
+  e.stopped = estimator::Stopped::kTolerance;
   return e;
 }
 

@@ -317,9 +317,8 @@ rig::SyntheticConfig OneLight() {
 }
 
 Result<EstimateOutput> RunPaper(const rig::SyntheticSession& session) {
-  EstimateOptions options;
-  options.paper = PaperOptions{};
-  return EstimateFrom(session, options);
+  return EstimateByPaper(rig::ToKeyframes(session), Geometry(session.target),
+                         calib::RayGrid(session.camera), {});
 }
 
 TEST(PaperEstimateTest, OneLightOnASphere) {

@@ -94,7 +94,7 @@ TEST(SplitResiduals, HalvesAndTheirComplementsAreTheWhole) {
   const RandomObservations random = Noisy(4, truth);
   const Observations& all = random.observations;
   const Solution solution = Solve(all, truth, {});
-  ASSERT_TRUE(solution.converged);
+  ASSERT_EQ(solution.stopped, Stopped::kTolerance);
   const ResidualSplits splits = SplitResiduals(all, solution);
   const auto model = Predict(all, solution.scene, solution.evaluate);
   const auto view = [&](std::size_t i) {

@@ -11,7 +11,7 @@
 #include <cmath>
 
 #include "base/angles.h"
-#include "estimator/missing_lights.h"
+#include "estimator/matched_filter.h"
 #include "estimator/normal_errors.h"
 #include "estimator/observation_access.h"
 #include "random_observations.h"

@@ -1,13 +1,14 @@
-#include "estimator/initial_guess.h"
+#include "estimator/fit_guess.h"
 
 #include "base/format.h"
 #include "estimator/find_lights.h"
-#include "estimator/normal_equations.h"
+#include "estimator/coordinates.h"
+#include "estimator/start_scene.h"
 
 namespace turnlight::estimator {
 namespace {
 
-constexpr double kElsewhere = 3.0;  // of the excess variance
+constexpr double kLeastFallElsewhere = 3.0;  // of the excess variance, for lights that were not given
 
 Scene StartFromGuess(const Sample& sample, const InitialGuess& guess) {
   Scene world;
@@ -49,7 +50,7 @@ Candidate FitGuess(const Sample& sample, const InitialGuess& guess,
     std::vector<Rung> own;
     Candidate found = FindLights(as_many, clusters, own);
     const bool elsewhere =
-        found.scene.lights.size() == count && found.excess * kElsewhere < fitted.excess;
+        found.scene.lights.size() == count && found.excess * kLeastFallElsewhere < fitted.excess;
     ladder.push_back({"initial", !elsewhere,
                       Format("from the lights given the excess variance is %.3g, without them %.3g",
                              fitted.excess, found.excess)});

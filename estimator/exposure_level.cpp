@@ -1,0 +1,51 @@
+#include "estimator/exposure_level.h"
+
+#include <cmath>
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kDimmest = 0.02, kBrightest = 50.0;  // of white
+
+}  // namespace
+
+double ExposureLevel(double brightest) {
+  return brightest > kDimmest && brightest < kBrightest
+             ? 1.0
+             : std::exp2(std::round(std::log2(brightest)));
+}
+
+void Scale(Observations& observations, double by) {
+  for (auto& channel : observations.radiance)
+    for (float& value : channel) value *= static_cast<float>(by);
+}
+
+void Scale(Reflectance& r, double by) {
+  r.ambient *= by;
+  r.diffuse *= by;
+  r.specular *= by;
+}
+
+void Scale(Estimate& estimate, double by) {
+  Scale(estimate.reflectance, by);
+  for (auto* sigma : {&estimate.sigma.ambient, &estimate.sigma.diffuse, &estimate.sigma.specular,
+                      &estimate.stat.ambient, &estimate.stat.diffuse, &estimate.stat.specular,
+                      &estimate.initial_rms, &estimate.rms})
+    *sigma *= by;
+  for (auto* color :
+       {&estimate.ambient_product, &estimate.ambient_product_sigma, &estimate.stat.ambient_product})
+    *color *= by;
+  for (LightEstimate& light : estimate.lights) {
+    light.diffuse_product *= by;
+    light.diffuse_product_sigma *= by;
+    light.specular_product *= by;
+    light.specular_product_sigma *= by;
+  }
+  for (LightSigma& light : estimate.stat.lights) {
+    light.diffuse_product *= by;
+    light.specular_product *= by;
+  }
+  for (IterationRecord& record : estimate.history) record.rms *= by;
+}
+
+}  // namespace turnlight::estimator

@@ -1,0 +1,26 @@
+// What a reader of an estimate has to be told, each with a stable code.
+#pragma once
+
+#include "estimator/estimate.h"
+#include "estimator/usable.h"
+
+namespace turnlight::estimator {
+
+// Codes "views-add-nothing"; of what the estimate holds.
+void AddViewsNote(Estimate& out);
+
+// The same, and "no-highlight", "grey", "distance-unknown", "not-converged".
+void AddNotes(Estimate& out);
+
+// Code "count-uncertain": noise (sigma of a value) or what the model leaves unexplained may hide a
+// light. brightest: the 99.9 % quantile of the radiance.
+void AddCountNote(double noise, double brightest, Estimate& out);
+
+// Whether a residual (rms) is more than noise, and whether noise may hide lights.
+bool Unexplained(double rms, double noise);
+bool Noisy(double noise, double brightest);
+
+// Code "outliers", if there are so many that some may have been missed.
+void AddOutliersNote(const FlagCounts& counts, Estimate& out);
+
+}  // namespace turnlight::estimator

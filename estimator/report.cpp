@@ -1,0 +1,101 @@
+#include "estimator/report.h"
+
+#include <cmath>
+#include <vector>
+
+#include "estimator/normal_equations.h"
+#include "estimator/reported.h"
+#include "estimator/uncertainty.h"
+
+namespace turnlight::estimator {
+namespace {
+
+constexpr double kNinetyFivePercent = 1.6449;  // sigmas, one-sided
+
+LightEstimate MakeLight(const ReportedLight& reported, const LightSigma& sigma, bool near,
+                        double rho_free, double rho_sigma, bool strongest) {
+  LightEstimate out;
+  out.light = reported.light;
+  out.near = near;
+  out.direction_sigma = sigma.direction;
+  // A light held at infinity: what the fit with free distances found belongs to the error of 0.
+  out.inverse_distance_sigma = near ? sigma.inverse_distance : std::hypot(rho_sigma, rho_free);
+  const double upper = rho_free + kNinetyFivePercent * rho_sigma;
+  if (upper > 0.0 && std::isfinite(upper)) out.distance_min = 1.0 / upper;
+  if (near) {
+    out.distance = 1.0 / reported.light.inverse_distance;
+    out.distance_sigma = sigma.distance;
+    out.position = reported.light.direction / reported.light.inverse_distance;
+    out.position_covariance = sigma.position_covariance;
+  }
+  out.direction_at_reference = reported.direction_at_reference;
+  if (!strongest) out.intensity_sigma = sigma.intensity;
+  out.diffuse_product = reported.diffuse_product;
+  out.diffuse_product_sigma = sigma.diffuse_product;
+  out.specular_product = reported.specular_product;
+  out.specular_product_sigma = sigma.specular_product;
+  return out;
+}
+
+void FillSigmas(const Uncertainty& sigma, double specular_limit, Estimate& out) {
+  out.sigma.albedo = sigma.albedo;
+  out.sigma.ambient = sigma.ambient;
+  out.sigma.diffuse = sigma.diffuse;
+  out.sigma.specular = sigma.specular;
+  out.ambient_product_sigma = sigma.ambient_product;
+  if (out.reflectance.specular_model == SpecularModel::kNone) {
+    out.sigma.specular = specular_limit;
+    for (LightEstimate& light : out.lights)
+      light.specular_product_sigma = specular_limit * light.light.intensity;
+  } else if (std::isfinite(sigma.shininess)) {
+    out.sigma.shininess = sigma.shininess;
+  }
+  if (out.reflectance.diffuse_model == DiffuseModel::kOrenNayar && std::isfinite(sigma.roughness))
+    out.sigma.roughness = sigma.roughness;
+  out.condition = sigma.condition;
+  out.weak = sigma.weak;
+}
+
+double RmsOf(double values, double cost) { return std::sqrt(2.0 * cost / values); }
+
+}  // namespace
+
+void FillFromFit(const Observations& all, const Refined& refined, Estimate& out) {
+  const Solution& solution = refined.solution;
+  const auto order = StrengthOrder(solution.scene, all);
+  const Reported reported = Report(solution.scene, all, order);
+  const Uncertainties sigmas =
+      EstimateUncertainty(solution, all, order, refined.views_per_distinct, refined.splits);
+  const Uncertainty& sigma = sigmas.total;
+  out.stat = sigmas.stat;
+  out.reflectance = reported.reflectance;
+  out.reference_point = all.reference;
+  out.channels = all.channels;
+  out.ambient_product = reported.ambient_product;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    out.lights.push_back(MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
+                                   refined.inverse_distance[order[i]],
+                                   refined.inverse_distance_sigma[order[i]], i == 0));
+  FillSigmas(sigma, refined.specular_sigma, out);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (!refined.near[order[i]])
+      out.stat.lights[i].inverse_distance = refined.inverse_distance_sigma_stat[order[i]];
+  if (out.reflectance.specular_model == SpecularModel::kNone) {
+    out.stat.specular = refined.specular_sigma_stat;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      out.stat.lights[i].specular_product =
+          refined.specular_sigma_stat * out.lights[i].light.intensity;
+  }
+  EvaluateOptions squares = refined.options.evaluate;
+  squares.huber = 0.0;
+  squares.gradient_only = true;
+  const double values = ValueCount(all, squares);
+  out.rms = RmsOf(values, Evaluate(all, solution.scene, squares).cost);
+  out.pixels = all.used - squares.shadows.left_out;
+  out.iterations = refined.iterations;
+  out.stopped = solution.stopped;
+  for (const double cost : refined.cost_history)
+    out.history.push_back({static_cast<int>(out.history.size()), RmsOf(values, cost)});
+}
+
+}  // namespace turnlight::estimator
