@@ -12,8 +12,8 @@
 #include "app/scene_overrides.h"
 #include "base/file.h"
 #include "base/sha256.h"
-#include "estimator/geometry.h"
-#include "estimator/renderer.h"
+#include "estimator/target/geometry.h"
+#include "estimator/target/renderer.h"
 #include "rig/session/image_file.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
@@ -62,7 +62,7 @@ PictureFormat ChooseFormat(const rig::Session& session) {
   return format;
 }
 
-Result<estimator::Scene> BuildScene(const RenderArguments& arguments) {
+Result<estimator::model::Scene> BuildScene(const RenderArguments& arguments) {
   auto scene = rig::ReadScene(arguments.params);
   if (!scene) return scene;
   if (!arguments.lights.empty()) scene->lights.clear();
@@ -76,10 +76,11 @@ Result<estimator::Scene> BuildScene(const RenderArguments& arguments) {
   return scene;
 }
 
-Status RequireLightsOutside(const estimator::Scene& scene, const estimator::Geometry& geometry,
+Status RequireLightsOutside(const estimator::model::Scene& scene,
+                            const estimator::target::Geometry& geometry,
                             const rig::Session& session) {
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    const estimator::Light& light = scene.lights[i];
+    const estimator::model::Light& light = scene.lights[i];
     if (!(light.inverse_distance > 0.0)) continue;
     const Eigen::Vector3d p_WL = light.direction / light.inverse_distance;
     for (const rig::FrameRecord& frame : session.frames) {
@@ -134,7 +135,7 @@ int Render(const RenderArguments& arguments) {
   if (!scene) return Fail(scene.error());
   auto shape = rig::ReadTarget(*session);
   if (!shape) return Fail(shape.error());
-  const estimator::Geometry geometry(std::move(*shape));
+  const estimator::target::Geometry geometry(std::move(*shape));
   if (const Status status = RequireLightsOutside(*scene, geometry, *session); !status)
     return Fail(status.error());
   const fs::path out = arguments.out;
@@ -145,14 +146,14 @@ int Render(const RenderArguments& arguments) {
 
   const calib::RayGrid rays(*session->camera);
   const PictureFormat format = ChooseFormat(*session);
-  const estimator::RenderOptions options{arguments.samples, !arguments.no_shadows};
+  const estimator::target::RenderOptions options{arguments.samples, !arguments.no_shadows};
   std::vector<rig::FrameRecord> frames;
   {
     Progress progress("rendering", session->frames.size());
     for (const rig::FrameRecord& frame : session->frames) {
       if (Interrupted()) break;
       const auto rendering =
-          estimator::Render(*scene, geometry, rays, frame.X_WC, frame.X_WT, options);
+          estimator::target::Render(*scene, geometry, rays, frame.X_WC, frame.X_WT, options);
       char name[32];
       std::snprintf(name, sizeof name, "frames/%03zu", frames.size());
       auto written = WriteFrame(

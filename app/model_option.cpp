@@ -10,9 +10,9 @@
 namespace turnlight::app {
 namespace {
 
-using estimator::DiffuseModel;
-using estimator::ModelChoice;
-using estimator::SpecularModel;
+using estimator::model::DiffuseModel;
+using estimator::model::ModelChoice;
+using estimator::model::SpecularModel;
 
 constexpr int kMostLights = 32;
 

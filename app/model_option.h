@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "estimator/model_choice.h"
+#include "estimator/model/model_choice.h"
 
 namespace turnlight::app {
 
@@ -12,6 +12,6 @@ namespace turnlight::app {
 //   lights=1..32  diffuse=lambert|oren-nayar  specular=none|phong|blinn-phong
 //   lights-are=near|distant
 // Fails (kInput) on an unknown key or value, naming the nearest or what is allowed.
-Status ApplyModelOption(const std::string& option, estimator::ModelChoice& choice);
+Status ApplyModelOption(const std::string& option, estimator::model::ModelChoice& choice);
 
 }  // namespace turnlight::app

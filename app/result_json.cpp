@@ -38,11 +38,11 @@ ordered_json ToJson(const std::optional<T>& value) {
 }
 
 bool HasLobe(const Estimate& estimate) {
-  return estimate.reflectance.specular_model != estimator::SpecularModel::kNone;
+  return estimate.reflectance.specular_model != estimator::model::SpecularModel::kNone;
 }
 
 bool IsOrenNayar(const Estimate& estimate) {
-  return estimate.reflectance.diffuse_model == estimator::DiffuseModel::kOrenNayar;
+  return estimate.reflectance.diffuse_model == estimator::model::DiffuseModel::kOrenNayar;
 }
 
 ordered_json ModelToJson(const Estimate& estimate) {
@@ -54,13 +54,14 @@ ordered_json ModelToJson(const Estimate& estimate) {
   json["specular"] = rig::ModelWord(estimate.reflectance.specular_model);
   json["albedo"] = "uniform";
   json["ladder"] = ordered_json::array();
-  for (const estimator::Rung& rung : estimate.ladder)
+  for (const estimator::model::Rung& rung : estimate.ladder)
     json["ladder"].push_back(
         ordered_json{{"rung", rung.rung}, {"accepted", rung.accepted}, {"why", rung.why}});
   return json;
 }
 
-ordered_json LightToJson(const LightEstimate& estimate, const estimator::LightSigma* stat) {
+ordered_json LightToJson(const LightEstimate& estimate,
+                         const estimator::uncertainty::LightSigma* stat) {
   ordered_json json;
   json["direction"] = ToJson(estimate.light.direction);
   json["direction_sigma_deg"] = ToJson(RadToDeg(estimate.direction_sigma));
@@ -100,7 +101,7 @@ ordered_json SigmaToJson(const Estimate& estimate, const estimator::ReflectanceS
 }
 
 ordered_json ReflectanceToJson(const Estimate& estimate) {
-  const estimator::Reflectance& reflectance = estimate.reflectance;
+  const estimator::model::Reflectance& reflectance = estimate.reflectance;
   ordered_json json;
   json["albedo"] = ToJson(reflectance.albedo);
   json["ambient"] = ToJson(reflectance.ambient);
@@ -113,7 +114,7 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
     json["lobe"] = ordered_json{{"peak", ToJson(reflectance.specular)},
                                 {"fwhm_deg", ToJson(LobeWidthDeg(reflectance))}};
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
-  const estimator::Uncertainty& stat = estimate.stat;
+  const estimator::uncertainty::Uncertainty& stat = estimate.stat;
   if (estimate.has_sigmas)
     json["sigma"]["stat"] = SigmaToJson(estimate, {stat.albedo, stat.ambient, stat.diffuse,
                                                    stat.specular, stat.shininess, stat.roughness});
@@ -136,7 +137,7 @@ ordered_json ProductsToJson(const Estimate& estimate) {
   ordered_json& stat = json["stat"];
   for (const char* key : {"diffuse_sigma", "specular_sigma"}) stat[key] = ordered_json::array();
   stat["ambient_sigma"] = ToJson(estimate.stat.ambient_product);
-  for (const estimator::LightSigma& light : estimate.stat.lights) {
+  for (const estimator::uncertainty::LightSigma& light : estimate.stat.lights) {
     stat["diffuse_sigma"].push_back(ToJson(light.diffuse_product));
     stat["specular_sigma"].push_back(ToJson(light.specular_product));
   }
@@ -218,24 +219,24 @@ ordered_json NotesToJson(const Estimate& estimate) {
 
 }  // namespace
 
-const char* StoppedWord(estimator::Stopped stopped) {
+const char* StoppedWord(estimator::solve::Stopped stopped) {
   switch (stopped) {
-    case estimator::Stopped::kTolerance:
+    case estimator::solve::Stopped::kTolerance:
       return "converged";
-    case estimator::Stopped::kNoDescent:
+    case estimator::solve::Stopped::kNoDescent:
       return "no-descent";
-    case estimator::Stopped::kIterationLimit:
+    case estimator::solve::Stopped::kIterationLimit:
       return "iteration-limit";
-    case estimator::Stopped::kNotFinite:
+    case estimator::solve::Stopped::kNotFinite:
       return "not-finite";
   }
   return "";
 }
 
-double LobeWidthDeg(const estimator::Reflectance& reflectance) {
-  const double half = RadToDeg(estimator::LobeHalfWidth(reflectance.shininess));
-  return reflectance.specular_model == estimator::SpecularModel::kBlinnPhong ? 4.0 * half
-                                                                             : 2.0 * half;
+double LobeWidthDeg(const estimator::model::Reflectance& reflectance) {
+  const double half = RadToDeg(estimator::model::LobeHalfWidth(reflectance.shininess));
+  return reflectance.specular_model == estimator::model::SpecularModel::kBlinnPhong ? 4.0 * half
+                                                                                    : 2.0 * half;
 }
 
 ordered_json ResultToJson(const Estimate& estimate, const std::string& session_name,

@@ -24,10 +24,10 @@ nlohmann::ordered_json ResultToJson(const estimator::Estimate& estimate,
 
 // Why a solve ended, as "stopped" has it: "converged", "no-descent", "iteration-limit" or
 // "not-finite".
-const char* StoppedWord(estimator::Stopped stopped);
+const char* StoppedWord(estimator::solve::Stopped stopped);
 
 // The full width at half maximum of the highlight in degrees, in the angle between the mirror
 // direction and the viewer. Blinn-Phong's half-angle is half of that angle, hence twice as wide.
-double LobeWidthDeg(const estimator::Reflectance& reflectance);
+double LobeWidthDeg(const estimator::model::Reflectance& reflectance);
 
 }  // namespace turnlight::app

@@ -13,11 +13,11 @@
 namespace turnlight::app {
 namespace {
 
-using estimator::DiffuseModel;
-using estimator::Light;
-using estimator::Reflectance;
-using estimator::Scene;
-using estimator::SpecularModel;
+using estimator::model::DiffuseModel;
+using estimator::model::Light;
+using estimator::model::Reflectance;
+using estimator::model::Scene;
+using estimator::model::SpecularModel;
 
 constexpr std::size_t kPrefix = 6;  // of "light."
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -121,10 +121,10 @@ Status ApplySetting(const std::string& setting, Scene& scene) {
   if (key == "specular")
     return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.specular);
   if (key == "shininess")
-    return SetNumber(
-        key, value, estimator::kMinShininess, estimator::kMaxShininess,
-        Format("a number from %.10g to %.10g", estimator::kMinShininess, estimator::kMaxShininess),
-        reflectance.shininess);
+    return SetNumber(key, value, estimator::model::kMinShininess, estimator::model::kMaxShininess,
+                     Format("a number from %.10g to %.10g", estimator::model::kMinShininess,
+                            estimator::model::kMaxShininess),
+                     reflectance.shininess);
   if (key == "roughness_deg") return SetRoughness(value, reflectance);
   if (key.starts_with("light.")) return SetLight(key, value, scene);
   const std::vector<std::string> keys = {"model",         "albedo",           "ambient",

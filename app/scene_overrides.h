@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
 
 namespace turnlight::app {
 
@@ -13,10 +13,10 @@ namespace turnlight::app {
 //   roughness_deg                 light.N.intensity    N from 0
 // Setting a roughness above 0 makes the diffuse part Oren-Nayar. Fails (kInput) on an unknown key
 // (naming the nearest), a light that is not there, a value out of its range.
-Status ApplySetting(const std::string& setting, estimator::Scene& scene);
+Status ApplySetting(const std::string& setting, estimator::model::Scene& scene);
 
 // "x,y,z,distance,intensity": a direction of any length but 0, a distance from W's origin in the
 // session's length unit or "inf", an intensity of at least 0.
-Result<estimator::Light> ParseLight(const std::string& text);
+Result<estimator::model::Light> ParseLight(const std::string& text);
 
 }  // namespace turnlight::app

@@ -15,8 +15,8 @@
 #include "base/file.h"
 #include "base/format.h"
 #include "base/parallel.h"
+#include "estimator/baseline/paper_estimate.h"
 #include "estimator/estimate.h"
-#include "estimator/paper_estimate.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
 
@@ -43,9 +43,9 @@ Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
 }
 
 // The first refusal in the order of the frames, whatever thread found it.
-Result<std::vector<estimator::Keyframe>> LoadKeyframes(const rig::Session& session,
-                                                       const std::vector<std::size_t>& chosen) {
-  std::vector<estimator::Keyframe> keyframes(chosen.size());
+Result<std::vector<estimator::model::Keyframe>> LoadKeyframes(
+    const rig::Session& session, const std::vector<std::size_t>& chosen) {
+  std::vector<estimator::model::Keyframe> keyframes(chosen.size());
   std::vector<Status> statuses(chosen.size());
   Progress progress("reading", chosen.size());
   ParallelFor(chosen.size(), [&](std::size_t i) {
@@ -83,7 +83,7 @@ Status CheckMethod(const SessionEstimateOptions& given) {
   if (paper && !given.initial.empty())
     return InputError(
         "--initial: not with --method paper, which takes its start from the pictures");
-  const estimator::ModelChoice& model = given.model;
+  const estimator::model::ModelChoice& model = given.model;
   if (paper && (model.lights || model.diffuse || model.specular || model.near))
     return InputError(
         "--model: not with --method paper, whose model is fixed: Lambert, Phong, near lights");
@@ -97,16 +97,16 @@ Status CheckMethod(const SessionEstimateOptions& given) {
 }
 
 // What the paper's method needs to know of the session.
-Result<estimator::PaperOptions> MakePaperOptions(const SessionEstimateOptions& given,
-                                                 const rig::Session& session,
-                                                 const std::vector<estimator::Keyframe>& keyframes,
-                                                 const estimator::Geometry& geometry) {
+Result<estimator::baseline::PaperOptions> MakePaperOptions(
+    const SessionEstimateOptions& given, const rig::Session& session,
+    const std::vector<estimator::model::Keyframe>& keyframes,
+    const estimator::target::Geometry& geometry) {
   const auto distance =
       FromMetres(given.ceiling_distance_m.value_or(kCeilingDistanceM), session.length_unit);
   if (!distance) return Forward(distance);
-  estimator::PaperOptions options;
+  estimator::baseline::PaperOptions options;
   options.ceiling_distance = *distance;
-  options.up = estimator::PaperUp(keyframes, geometry);
+  options.up = estimator::baseline::PaperUp(keyframes, geometry);
   return options;
 }
 
@@ -121,22 +121,21 @@ Result<estimator::EstimateOptions> MakeOptions(const SessionEstimateOptions& giv
   return options;
 }
 
-Result<estimator::EstimateOutput> EstimateBy(const SessionEstimateOptions& given,
-                                             const rig::Session& session,
-                                             const std::vector<estimator::Keyframe>& keyframes,
-                                             const estimator::Geometry& geometry,
-                                             const calib::RayGrid& rays,
-                                             const estimator::EstimateOptions& options) {
+Result<estimator::EstimateOutput> EstimateBy(
+    const SessionEstimateOptions& given, const rig::Session& session,
+    const std::vector<estimator::model::Keyframe>& keyframes,
+    const estimator::target::Geometry& geometry, const calib::RayGrid& rays,
+    const estimator::EstimateOptions& options) {
   if (given.method != "paper") return estimator::EstimateScene(keyframes, geometry, rays, options);
   const auto paper = MakePaperOptions(given, session, keyframes, geometry);
   if (!paper) return Forward(paper);
-  return estimator::EstimateByPaper(keyframes, geometry, rays, *paper);
+  return estimator::baseline::EstimateByPaper(keyframes, geometry, rays, *paper);
 }
 
 struct Computed {
   rig::Session session;
-  std::vector<estimator::Keyframe> keyframes;
-  estimator::Geometry geometry;
+  std::vector<estimator::model::Keyframe> keyframes;
+  estimator::target::Geometry geometry;
   estimator::EstimateOutput output;
   std::optional<rig::ClosureCheck> closure;
   double load_s = 0.0;
@@ -155,7 +154,7 @@ Result<Computed> Compute(const std::filesystem::path& folder, const SessionEstim
   if (!shape) return Forward(shape);
   auto keyframes = LoadKeyframes(*session, *chosen);
   if (!keyframes) return Forward(keyframes);
-  estimator::Geometry geometry(std::move(*shape));
+  estimator::target::Geometry geometry(std::move(*shape));
   const calib::RayGrid rays(*session->camera);
   auto closure = TellClosure(folder);
   if (!closure) return Forward(closure);

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "estimator/model_choice.h"
+#include "estimator/model/model_choice.h"
 #include "rig/capture/closure_check.h"
 
 namespace turnlight::app {
@@ -20,7 +20,7 @@ struct SessionEstimateOptions {
   std::string initial;                       // a truth.json or result.json; empty: none
   std::string method = "lm";                 // or "paper"
   std::optional<double> ceiling_distance_m;  // of "paper" only; metres
-  estimator::ModelChoice model;              // of "lm" only
+  estimator::model::ModelChoice model;       // of "lm" only
   bool pictures = true;
 };
 

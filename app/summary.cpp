@@ -33,14 +33,15 @@ std::string ModelText(const Estimate& estimate) {
     text += " (" + std::to_string(near) + " near, " + std::to_string(distant) + " distant)";
   else
     text += near > 0 ? " (near)" : " (distant)";
-  text += estimate.reflectance.diffuse_model == estimator::DiffuseModel::kLambert ? ", Lambert"
-                                                                                  : ", Oren-Nayar";
+  text += estimate.reflectance.diffuse_model == estimator::model::DiffuseModel::kLambert
+              ? ", Lambert"
+              : ", Oren-Nayar";
   switch (estimate.reflectance.specular_model) {
-    case estimator::SpecularModel::kNone:
+    case estimator::model::SpecularModel::kNone:
       return text + ", no highlight";
-    case estimator::SpecularModel::kPhong:
+    case estimator::model::SpecularModel::kPhong:
       return text + " + Phong";
-    case estimator::SpecularModel::kBlinnPhong:
+    case estimator::model::SpecularModel::kBlinnPhong:
       return text + " + Blinn-Phong";
   }
   return text;
@@ -64,20 +65,21 @@ std::string LightText(const LightEstimate& light, const std::string& unit) {
 }
 
 std::string ReflectanceText(const Estimate& estimate) {
-  const estimator::Reflectance& r = estimate.reflectance;
+  const estimator::model::Reflectance& r = estimate.reflectance;
   std::string text =
       Row("albedo", Measure(r.albedo[0], estimate.sigma.albedo[0]) + ",  " +
                         Measure(r.albedo[1], estimate.sigma.albedo[1]) + ",  " +
                         Measure(r.albedo[2], estimate.sigma.albedo[2])) +
       Row("ambient", Measure(r.ambient, estimate.sigma.ambient)) +
       Row("diffuse", Measure(r.diffuse, estimate.sigma.diffuse) +
-                         (r.diffuse_model == estimator::DiffuseModel::kOrenNayar
+                         (r.diffuse_model == estimator::model::DiffuseModel::kOrenNayar
                               ? ",  roughness " +
                                     Measure(RadToDeg(r.roughness),
                                             RadToDeg(estimate.sigma.roughness.value_or(0.0))) +
                                     "\u00b0"
                               : ""));
-  if (r.specular_model == estimator::SpecularModel::kNone) return text + Row("specular", "none");
+  if (r.specular_model == estimator::model::SpecularModel::kNone)
+    return text + Row("specular", "none");
   return text + Row("specular", Measure(r.specular, estimate.sigma.specular) + ",  shininess " +
                                     Measure(r.shininess, estimate.sigma.shininess.value_or(0.0)) +
                                     Format(" (highlight %.3g\u00b0 wide)", LobeWidthDeg(r)));
@@ -85,7 +87,7 @@ std::string ReflectanceText(const Estimate& estimate) {
 
 std::string LadderText(const Estimate& estimate) {
   std::string text;
-  for (const estimator::Rung& rung : estimate.ladder)
+  for (const estimator::model::Rung& rung : estimate.ladder)
     text += std::string("  ") + (rung.accepted ? "yes  " : "no   ") + rung.rung +
             (rung.why.empty() ? "" : ": " + rung.why) + "\n";
   return text.empty() ? text : "\ndecisions\n" + text;

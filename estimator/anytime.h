@@ -13,11 +13,11 @@ namespace turnlight::estimator {
 class AnytimeEstimator {
  public:
   // Both must outlive the estimator.
-  AnytimeEstimator(const Geometry& geometry, const calib::RayGrid& rays)
+  AnytimeEstimator(const target::Geometry& geometry, const calib::RayGrid& rays)
       : geometry_(geometry), rays_(rays) {}
 
   // Takes a keyframe in; traces it, does not solve.
-  void Add(const Keyframe& keyframe);
+  void Add(const model::Keyframe& keyframe);
   // Solves with all keyframes so far: from the last estimate, or, whenever their number has doubled
   // since the last time (and while there is no estimate), looking for the lights anew.
   // Deterministic in the order of calls. Fails with kNoEstimate while nothing usable was seen; the
@@ -28,9 +28,9 @@ class AnytimeEstimator {
   std::size_t keyframes() const { return parts_.size(); }
 
  private:
-  const Geometry& geometry_;
+  const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
-  std::vector<Observations> parts_;  // one per keyframe
+  std::vector<observe::Observations> parts_;  // one per keyframe
   std::vector<cv::Mat> signatures_;
   std::optional<Estimate> current_;
   std::size_t next_cold_ = 1;

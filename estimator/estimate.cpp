@@ -4,15 +4,15 @@
 #include <utility>
 
 #include "base/format.h"
-#include "estimator/coordinates.h"
 #include "estimator/exposure_level.h"
-#include "estimator/find_start.h"
 #include "estimator/notes.h"
-#include "estimator/observed_scene.h"
-#include "estimator/radiance_statistics.h"
+#include "estimator/observe/observed_scene.h"
+#include "estimator/observe/radiance_statistics.h"
+#include "estimator/observe/views.h"
 #include "estimator/report.h"
 #include "estimator/residual_maps.h"
-#include "estimator/views.h"
+#include "estimator/solve/coordinates.h"
+#include "estimator/start/find_start.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -23,9 +23,11 @@ double Seconds() {
 
 // The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
 // scaled back.
-Result<Estimate> EstimateAtLevel(const Observations& all, const std::vector<cv::Mat>& signatures,
-                                 const EstimateOptions& options, double level, Refined* refined) {
-  Observations scaled = all;
+Result<Estimate> EstimateAtLevel(const observe::Observations& all,
+                                 const std::vector<cv::Mat>& signatures,
+                                 const EstimateOptions& options, double level,
+                                 select::Refined* refined) {
+  observe::Observations scaled = all;
   Scale(scaled, 1.0 / level);
   std::vector<cv::Mat> scaled_signatures;
   for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
@@ -54,46 +56,46 @@ Status CheckLights(const Estimate& estimate, double noise, double brightest) {
              estimate.rms, noise, brightest));
 }
 
-Start StartOf(const Observations& all, double noise, const IntensityMap& map,
-              const EstimateOptions& options) {
-  if (options.warm_start) return {ToSolver(*options.warm_start, all), {}, {}};
-  return FindStart(all, noise, map, options.initial, options.model);
+start::Start StartOf(const observe::Observations& all, double noise,
+                     const observe::IntensityMap& map, const EstimateOptions& options) {
+  if (options.warm_start) return {solve::ToSolver(*options.warm_start, all), {}, {}};
+  return start::FindStart(all, noise, map, options.initial, options.model);
 }
 
 }  // namespace
 
-Scene Estimate::ToScene() const {
-  Scene scene;
+model::Scene Estimate::ToScene() const {
+  model::Scene scene;
   scene.reflectance = reflectance;
   for (const LightEstimate& light : lights) scene.lights.push_back(light.light);
   return scene;
 }
 
-Result<Estimate> EstimateObservations(const Observations& all,
+Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
-                                      const EstimateOptions& options, IntensityMap* map,
-                                      Refined* refined) {
+                                      const EstimateOptions& options, observe::IntensityMap* map,
+                                      select::Refined* refined) {
   const double begin = Seconds();
-  if (const Status status = CheckUsable(all); !status) return Forward(status);
-  IntensityMap own_map;
-  IntensityMap& used_map = map ? *map : own_map;
-  if (map || !options.warm_start) used_map = MakeIntensityMap(all);
-  const double noise = EstimateNoise(all), brightest = BrightestRadiance(all);
+  if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
+  observe::IntensityMap own_map;
+  observe::IntensityMap& used_map = map ? *map : own_map;
+  if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
+  const double noise = observe::EstimateNoise(all), brightest = observe::BrightestRadiance(all);
   const double level = ExposureLevel(brightest);
   if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined);
-  Start start = StartOf(all, noise, used_map, options);
+  start::Start start = StartOf(all, noise, used_map, options);
   const double started = Seconds();
   Estimate estimate;
   estimate.ladder = std::move(start.ladder);
   for (const double rms : start.rms_history)
     estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});
   estimate.views = static_cast<int>(signatures.size());
-  estimate.distinct_views = DistinctViews(signatures, noise);
+  estimate.distinct_views = observe::DistinctViews(signatures, noise);
   const double views_per_distinct =
       estimate.distinct_views > 0 ? static_cast<double>(estimate.views) / estimate.distinct_views
                                   : 1.0;
-  Refined result =
-      Refine(all, start.scene, noise, views_per_distinct, options.model, estimate.ladder);
+  select::Refined result =
+      select::Refine(all, start.scene, noise, views_per_distinct, options.model, estimate.ladder);
   FillFromFit(all, result, estimate);
   if (const Status status = CheckLights(estimate, noise, brightest); !status)
     return Forward(status);
@@ -106,15 +108,15 @@ Result<Estimate> EstimateObservations(const Observations& all,
   return estimate;
 }
 
-Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
-                                     const Geometry& geometry, const calib::RayGrid& rays,
+Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
+                                     const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options) {
   const double begin = Seconds();
-  const auto observed = ObserveScene(keyframes, geometry, rays);
+  const auto observed = observe::ObserveScene(keyframes, geometry, rays);
   if (!observed) return Forward(observed);
   const double built = Seconds();
   EstimateOutput out;
-  Refined refined;
+  select::Refined refined;
   auto estimate =
       EstimateObservations(observed->pixels, observed->signatures, options, &out.map, &refined);
   if (!estimate) return Forward(estimate);

@@ -9,29 +9,29 @@
 
 #include "base/result.h"
 #include "calib/camera_model.h"
-#include "estimator/geometry.h"
-#include "estimator/initial_guess.h"
-#include "estimator/intensity_map.h"
-#include "estimator/keyframe.h"
-#include "estimator/model_choice.h"
-#include "estimator/model_selection.h"
-#include "estimator/observations.h"
-#include "estimator/scene.h"
-#include "estimator/solver.h"
-#include "estimator/uncertainty.h"
+#include "estimator/model/initial_guess.h"
+#include "estimator/model/keyframe.h"
+#include "estimator/model/model_choice.h"
+#include "estimator/model/scene.h"
+#include "estimator/observe/intensity_map.h"
+#include "estimator/observe/observations.h"
+#include "estimator/select/model_selection.h"
+#include "estimator/solve/solver.h"
+#include "estimator/target/geometry.h"
+#include "estimator/uncertainty/uncertainty.h"
 
 namespace turnlight::estimator {
 
 struct EstimateOptions {
-  std::optional<InitialGuess> initial;
+  std::optional<model::InitialGuess> initial;
   // Goes on from an earlier estimate (in W) without looking for lights again.
-  std::optional<Scene> warm_start;
-  ModelChoice model;  // with a start or without
+  std::optional<model::Scene> warm_start;
+  model::ModelChoice model;  // with a start or without
 };
 
 // Sigmas are sigma_total: see uncertainty.h.
 struct LightEstimate {
-  Light light;                   // about W's origin
+  model::Light light;            // about W's origin
   bool near = false;             // the data call for a finite distance
   double direction_sigma = 0.0;  // radians, larger axis of the tangent ellipse
   double inverse_distance_sigma = 0.0;
@@ -66,9 +66,9 @@ struct IterationRecord {
 
 struct Estimate {
   std::vector<LightEstimate> lights;  // strongest first; the strongest has intensity 1
-  Reflectance reflectance;            // max(albedo) = 1; specular_model kNone if none was found
+  model::Reflectance reflectance;     // max(albedo) = 1; specular_model kNone if none was found
   ReflectanceSigma sigma;             // total, as all sigmas here
-  Uncertainty stat;                   // their statistical parts, lights in the same order
+  uncertainty::Uncertainty stat;      // their statistical parts, lights in the same order
   bool has_sigmas = true;             // false: the method states none, and all are NaN
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
@@ -79,21 +79,21 @@ struct Estimate {
   std::size_t pixels = 0;
   double condition = 0.0;  // of the column-scaled normal equations
   std::vector<std::string> weak;
-  std::vector<Rung> ladder;
+  std::vector<model::Rung> ladder;
   std::vector<Note> notes;
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;
-  Stopped stopped = Stopped::kTolerance;  // why the last solve ended
+  solve::Stopped stopped = solve::Stopped::kTolerance;  // why the last solve ended
   std::vector<IterationRecord> history;
   double initial_s = 0.0, solve_s = 0.0;  // seconds, for people
 
-  Scene ToScene() const;
+  model::Scene ToScene() const;
 };
 
 struct EstimateOutput {
   Estimate estimate;
-  IntensityMap map;
+  observe::IntensityMap map;
   std::vector<cv::Mat1f>
       residuals;  // per keyframe: grey observed minus model; NaN where unobserved
 };
@@ -101,15 +101,16 @@ struct EstimateOutput {
 // The estimate itself, from observations and the views' signatures (see views.h). On the way out,
 // map and refined (both optional) receive what pictures and residual maps are made of. Fails with
 // kNoEstimate when nothing usable was observed.
-Result<Estimate> EstimateObservations(const Observations& all,
+Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
-                                      const EstimateOptions& options, IntensityMap* map = nullptr,
-                                      Refined* refined = nullptr);
+                                      const EstimateOptions& options,
+                                      observe::IntensityMap* map = nullptr,
+                                      select::Refined* refined = nullptr);
 
 // Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
 // everything clipped, everything dark, nothing of the target in view.
-Result<EstimateOutput> EstimateScene(const std::vector<Keyframe>& keyframes,
-                                     const Geometry& geometry, const calib::RayGrid& rays,
+Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
+                                     const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options);
 
 }  // namespace turnlight::estimator

@@ -15,12 +15,12 @@ double ExposureLevel(double brightest) {
              : std::exp2(std::round(std::log2(brightest)));
 }
 
-void Scale(Observations& observations, double by) {
+void Scale(observe::Observations& observations, double by) {
   for (auto& channel : observations.radiance)
     for (float& value : channel) value *= static_cast<float>(by);
 }
 
-void Scale(Reflectance& r, double by) {
+void Scale(model::Reflectance& r, double by) {
   r.ambient *= by;
   r.diffuse *= by;
   r.specular *= by;
@@ -41,7 +41,7 @@ void Scale(Estimate& estimate, double by) {
     light.specular_product *= by;
     light.specular_product_sigma *= by;
   }
-  for (LightSigma& light : estimate.stat.lights) {
+  for (uncertainty::LightSigma& light : estimate.stat.lights) {
     light.diffuse_product *= by;
     light.specular_product *= by;
   }

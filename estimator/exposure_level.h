@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "estimator/estimate.h"
-#include "estimator/observations.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
+#include "estimator/observe/observations.h"
 
 namespace turnlight::estimator {
 
@@ -15,8 +15,8 @@ namespace turnlight::estimator {
 double ExposureLevel(double brightest);
 
 // Radiances times a factor.
-void Scale(Observations& observations, double by);
-void Scale(Reflectance& reflectance, double by);
+void Scale(observe::Observations& observations, double by);
+void Scale(model::Reflectance& reflectance, double by);
 void Scale(Estimate& estimate, double by);
 
 }  // namespace turnlight::estimator

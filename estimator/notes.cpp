@@ -25,7 +25,7 @@ void AddViewsNote(Estimate& out) {
 
 void AddNotes(Estimate& out) {
   AddViewsNote(out);
-  if (out.reflectance.specular_model == SpecularModel::kNone)
+  if (out.reflectance.specular_model == model::SpecularModel::kNone)
     out.notes.push_back(
         {"no-highlight",
          "No highlight was found: shininess is null, and the lights' places rest on "
@@ -39,9 +39,9 @@ void AddNotes(Estimate& out) {
     out.notes.push_back({"distance-unknown",
                          "Lights with distance null are too far for the data to tell how far; "
                          "distance_min is a 95 % bound."});
-  if (out.stopped == Stopped::kIterationLimit)
+  if (out.stopped == solve::Stopped::kIterationLimit)
     out.notes.push_back({"not-converged", "The solver reached its limit of iterations."});
-  if (out.stopped == Stopped::kNotFinite)
+  if (out.stopped == solve::Stopped::kNotFinite)
     out.notes.push_back({"not-converged", "The model is not finite where the solver stands."});
 }
 
@@ -69,8 +69,8 @@ void AddCountNote(double noise, double brightest, Estimate& out) {
               out.rms, out.rms / std::max(noise, 1e-12))});
 }
 
-void AddOutliersNote(const FlagCounts& counts, Estimate& out) {
-  if (!ManyOutliers(counts)) return;
+void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out) {
+  if (!observe::ManyOutliers(counts)) return;
   out.notes.push_back(
       {"outliers", Format("%zu of %zu target pixels are unlike all around them and were left out; "
                           "some may have been missed.",

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "estimator/estimate.h"
-#include "estimator/usable.h"
+#include "estimator/observe/usable.h"
 
 namespace turnlight::estimator {
 
@@ -21,6 +21,6 @@ bool Unexplained(double rms, double noise);
 bool Noisy(double noise, double brightest);
 
 // Code "outliers", if there are so many that some may have been missed.
-void AddOutliersNote(const FlagCounts& counts, Estimate& out);
+void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out);
 
 }  // namespace turnlight::estimator

@@ -3,17 +3,18 @@
 #include <cmath>
 #include <vector>
 
-#include "estimator/normal_equations.h"
-#include "estimator/reported.h"
-#include "estimator/uncertainty.h"
+#include "estimator/solve/normal_equations.h"
+#include "estimator/uncertainty/reported.h"
+#include "estimator/uncertainty/uncertainty.h"
 
 namespace turnlight::estimator {
 namespace {
 
 constexpr double kNinetyFivePercent = 1.6449;  // sigmas, one-sided
 
-LightEstimate MakeLight(const ReportedLight& reported, const LightSigma& sigma, bool near,
-                        double rho_free, double rho_sigma, bool strongest) {
+LightEstimate MakeLight(const uncertainty::ReportedLight& reported,
+                        const uncertainty::LightSigma& sigma, bool near, double rho_free,
+                        double rho_sigma, bool strongest) {
   LightEstimate out;
   out.light = reported.light;
   out.near = near;
@@ -37,20 +38,21 @@ LightEstimate MakeLight(const ReportedLight& reported, const LightSigma& sigma, 
   return out;
 }
 
-void FillSigmas(const Uncertainty& sigma, double specular_limit, Estimate& out) {
+void FillSigmas(const uncertainty::Uncertainty& sigma, double specular_limit, Estimate& out) {
   out.sigma.albedo = sigma.albedo;
   out.sigma.ambient = sigma.ambient;
   out.sigma.diffuse = sigma.diffuse;
   out.sigma.specular = sigma.specular;
   out.ambient_product_sigma = sigma.ambient_product;
-  if (out.reflectance.specular_model == SpecularModel::kNone) {
+  if (out.reflectance.specular_model == model::SpecularModel::kNone) {
     out.sigma.specular = specular_limit;
     for (LightEstimate& light : out.lights)
       light.specular_product_sigma = specular_limit * light.light.intensity;
   } else if (std::isfinite(sigma.shininess)) {
     out.sigma.shininess = sigma.shininess;
   }
-  if (out.reflectance.diffuse_model == DiffuseModel::kOrenNayar && std::isfinite(sigma.roughness))
+  if (out.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar &&
+      std::isfinite(sigma.roughness))
     out.sigma.roughness = sigma.roughness;
   out.condition = sigma.condition;
   out.weak = sigma.weak;
@@ -60,13 +62,13 @@ double RmsOf(double values, double cost) { return std::sqrt(2.0 * cost / values)
 
 }  // namespace
 
-void FillFromFit(const Observations& all, const Refined& refined, Estimate& out) {
-  const Solution& solution = refined.solution;
-  const auto order = StrengthOrder(solution.scene, all);
-  const Reported reported = Report(solution.scene, all, order);
-  const Uncertainties sigmas =
-      EstimateUncertainty(solution, all, order, refined.views_per_distinct, refined.splits);
-  const Uncertainty& sigma = sigmas.total;
+void FillFromFit(const observe::Observations& all, const select::Refined& refined, Estimate& out) {
+  const solve::Solution& solution = refined.solution;
+  const auto order = uncertainty::StrengthOrder(solution.scene, all);
+  const uncertainty::Reported reported = uncertainty::Report(solution.scene, all, order);
+  const uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
+      solution, all, order, refined.views_per_distinct, refined.splits);
+  const uncertainty::Uncertainty& sigma = sigmas.total;
   out.stat = sigmas.stat;
   out.reflectance = reported.reflectance;
   out.reference_point = all.reference;
@@ -80,17 +82,17 @@ void FillFromFit(const Observations& all, const Refined& refined, Estimate& out)
   for (std::size_t i = 0; i < order.size(); ++i)
     if (!refined.near[order[i]])
       out.stat.lights[i].inverse_distance = refined.inverse_distance_sigma_stat[order[i]];
-  if (out.reflectance.specular_model == SpecularModel::kNone) {
+  if (out.reflectance.specular_model == model::SpecularModel::kNone) {
     out.stat.specular = refined.specular_sigma_stat;
     for (std::size_t i = 0; i < order.size(); ++i)
       out.stat.lights[i].specular_product =
           refined.specular_sigma_stat * out.lights[i].light.intensity;
   }
-  EvaluateOptions squares = refined.options.evaluate;
+  solve::EvaluateOptions squares = refined.options.evaluate;
   squares.huber = 0.0;
   squares.gradient_only = true;
-  const double values = ValueCount(all, squares);
-  out.rms = RmsOf(values, Evaluate(all, solution.scene, squares).cost);
+  const double values = solve::ValueCount(all, squares);
+  out.rms = RmsOf(values, solve::Evaluate(all, solution.scene, squares).cost);
   out.pixels = all.used - squares.shadows.left_out;
   out.iterations = refined.iterations;
   out.stopped = solution.stopped;

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "estimator/estimate.h"
-#include "estimator/model_selection.h"
-#include "estimator/observations.h"
+#include "estimator/observe/observations.h"
+#include "estimator/select/model_selection.h"
 
 namespace turnlight::estimator {
 
 // Lights, reflectance, products, their sigmas and the residual; the decisions, notes, views and
 // times are the caller's.
-void FillFromFit(const Observations& observations, const Refined& refined, Estimate& out);
+void FillFromFit(const observe::Observations& observations, const select::Refined& refined,
+                 Estimate& out);
 
 }  // namespace turnlight::estimator

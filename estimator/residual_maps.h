@@ -4,15 +4,15 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "estimator/evaluate_options.h"
-#include "estimator/observations.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
+#include "estimator/observe/observations.h"
+#include "estimator/solve/evaluate_options.h"
 
 namespace turnlight::estimator {
 
 // Per keyframe, grey observed minus model; NaN where nothing is used. scene is in the observations'
 // coordinates; size: of the pictures.
-std::vector<cv::Mat1f> ResidualMaps(const Observations& all, const Scene& scene,
-                                    const EvaluateOptions& options, cv::Size size);
+std::vector<cv::Mat1f> ResidualMaps(const observe::Observations& all, const model::Scene& scene,
+                                    const solve::EvaluateOptions& options, cv::Size size);
 
 }  // namespace turnlight::estimator

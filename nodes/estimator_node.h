@@ -12,7 +12,7 @@
 #include "calib/camera_model.h"
 #include "calib/target_shape.h"
 #include "estimator/anytime.h"
-#include "estimator/geometry.h"
+#include "estimator/target/geometry.h"
 #include "nodes/graph/node.h"
 #include "nodes/messages.h"
 
@@ -34,7 +34,7 @@ class EstimatorNode : public graph::Node {
   std::uint64_t every_ = 1;
   std::uint64_t version_ = 0;
   std::string camera_sha256_;
-  estimator::Geometry geometry_;
+  estimator::target::Geometry geometry_;
   std::optional<calib::RayGrid> rays_;
   std::optional<estimator::AnytimeEstimator> anytime_;
 };

@@ -75,7 +75,7 @@ class Camera {
   rig::SyntheticConfig config_;
   rig::Studio studio_;
   std::vector<rig::Placement> placements_;
-  std::vector<estimator::Rendering> renderings_;
+  std::vector<estimator::target::Rendering> renderings_;
 };
 
 // A light's direction errors of all draws, in the tangent plane of the truth.
@@ -108,14 +108,14 @@ std::vector<double> AlongWorstAxis(const Tangent& tangent) {
 // What the draws add up to: per quantity its errors in sigmas, signed.
 class Collector {
  public:
-  explicit Collector(const estimator::Scene& truth) : truth_(truth) {}
+  explicit Collector(const estimator::model::Scene& truth) : truth_(truth) {}
 
   // False if the count is wrong: then nothing can be compared.
   bool Add(const Json& result) {
     const Json record = Score(truth_, result);
     if (!record["right"].get<bool>()) return false;
     std::vector<Eigen::Vector3d> truth, found;
-    for (const estimator::Light& light : truth_.lights) truth.push_back(light.direction);
+    for (const estimator::model::Light& light : truth_.lights) truth.push_back(light.direction);
     for (const Json& light : result["lights"]) {
       const Json& d = light["direction"];
       found.emplace_back(d[0].get<double>(), d[1].get<double>(), d[2].get<double>());
@@ -182,7 +182,7 @@ class Collector {
     tangent.covariances.back() = basis.transpose() * position * basis;
   }
 
-  const estimator::Scene& truth_;
+  const estimator::model::Scene& truth_;
   std::map<std::pair<std::string, int>, Values> values_;
   std::map<int, Tangent> directions_;
 };
@@ -192,7 +192,7 @@ Json Cover(int scene) {
   if (!config) return Json{{"left_out", config.error().text}};
   const auto camera = Camera::Build(*config);
   if (!camera) return Json{{"failed", camera.error().text}};
-  const estimator::Scene truth = camera->Draw(0).scene;
+  const estimator::model::Scene truth = camera->Draw(0).scene;
   Collector collector(truth);
   int wrong = 0;
   for (int draw = 0; draw < kDraws; ++draw) {

@@ -42,7 +42,7 @@ rig::SyntheticConfig EightConfig(int arrangement, bool mesh, int views, double n
   config.motion.step_deg = 360.0 / views;
   config.motion.elevation_deg = 40.0;
   config.lights = EightLights(arrangement, rig::TargetRadius(config.target));
-  estimator::Reflectance material;
+  estimator::model::Reflectance material;
   material.albedo = {0.5, 0.45, 0.35};
   material.ambient = 0.1;
   material.diffuse = 0.2;
@@ -59,7 +59,7 @@ Json WithPaper(const rig::SyntheticConfig& config) {
   const auto session = rig::SynthesizeInMemory(config);
   if (!session) return Json{{"failed", session.error().text}};
   Json record = Joined(Describe(config), EstimateAndScore(*session));
-  estimator::PaperOptions options;
+  estimator::baseline::PaperOptions options;
   options.ceiling_distance = 2500.0;  // mm
   options.up = Eigen::Vector3d::UnitZ();
   record["paper"] = EstimateAndScoreByPaper(*session, options);

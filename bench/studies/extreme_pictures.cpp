@@ -33,7 +33,8 @@ void MoveOrigin(SyntheticSession& session, const Eigen::Vector3d& shift) {
     frame.X_WC.translation -= shift;
     frame.X_WT.translation -= shift;
   }
-  for (estimator::Light& light : session.scene.lights) light = estimator::Recentred(light, shift);
+  for (estimator::model::Light& light : session.scene.lights)
+    light = estimator::model::Recentred(light, shift);
 }
 
 // Leaves the target's `count` middle pixels of the first view, and nothing of the other views.

@@ -32,8 +32,8 @@ void AddValues(std::vector<ExtremeCell>& cells, const std::string& group,
 std::vector<LightSpec>& Lights(SyntheticConfig& config) {
   return std::get<std::vector<LightSpec>>(config.lights);
 }
-estimator::Reflectance& Material(SyntheticConfig& config) {
-  return std::get<estimator::Reflectance>(config.reflectance);
+estimator::model::Reflectance& Material(SyntheticConfig& config) {
+  return std::get<estimator::model::Reflectance>(config.reflectance);
 }
 
 Eigen::Vector3d Direction(double zenith_deg, double azimuth_deg) {
@@ -53,7 +53,7 @@ void AddMaterialCells(std::vector<ExtremeCell>& cells) {
     Material(c).ambient = 0.6;
   });
   AddValues(cells, "Oren-Nayar", {10, 30, 60, 90}, " deg", [](SyntheticConfig& c, double sigma) {
-    Material(c).diffuse_model = estimator::DiffuseModel::kOrenNayar;
+    Material(c).diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
     Material(c).roughness = DegToRad(sigma);
   });
 }
@@ -184,7 +184,7 @@ rig::SyntheticConfig PlainConfig() {
   config.lights =
       std::vector<LightSpec>{{Direction(35.0, 20.0), 600.0, 0.55, Eigen::Vector3d::Ones()},
                              {Direction(50.0, 95.0), 900.0, 0.4, Eigen::Vector3d::Ones()}};
-  estimator::Reflectance material;
+  estimator::model::Reflectance material;
   material.albedo = {0.8, 0.6, 0.45};
   material.ambient = 0.05;
   material.diffuse = 0.7;

@@ -6,7 +6,7 @@
 #include "bench/studies/score.h"
 #include "bench/studies/studies.h"
 #include "bench/studies/take.h"
-#include "estimator/normal_equations.h"
+#include "estimator/solve/normal_equations.h"
 
 namespace turnlight::studies {
 namespace {
@@ -14,19 +14,19 @@ namespace {
 // Two lights closer than this share of the lobe's width may be taken for one.
 constexpr double kOneLight = 0.2;
 
-bool Close(const estimator::Light& a, const estimator::Light& b, double angle) {
+bool Close(const estimator::model::Light& a, const estimator::model::Light& b, double angle) {
   return a.direction.dot(b.direction) >= std::cos(angle) &&
          std::abs(a.inverse_distance - b.inverse_distance) < 1e-9;
 }
 
 // What of the truth can be known: a light that a surface does not reflect is none, and lights at
 // (nearly, if the estimate found fewer) the same place are one.
-void KeepKnowable(estimator::Scene& scene, std::size_t found) {
+void KeepKnowable(estimator::model::Scene& scene, std::size_t found) {
   if (scene.reflectance.diffuse == 0.0 && scene.reflectance.specular == 0.0) scene.lights.clear();
-  const double width = 2.0 * estimator::LobeHalfWidth(scene.reflectance.shininess);
+  const double width = 2.0 * estimator::model::LobeHalfWidth(scene.reflectance.shininess);
   const double angle = found < scene.lights.size() ? kOneLight * width : 1e-7;
-  std::vector<estimator::Light> merged;
-  for (const estimator::Light& light : scene.lights) {
+  std::vector<estimator::model::Light> merged;
+  for (const estimator::model::Light& light : scene.lights) {
     const auto same = std::find_if(merged.begin(), merged.end(),
                                    [&](const auto& other) { return Close(light, other, angle); });
     if (same == merged.end()) {

@@ -15,16 +15,16 @@ constexpr std::uint64_t kHandStream = std::uint64_t{1} << 51;
 constexpr double kLeastDeg = 10.0;
 constexpr double kMostDeg = 70.0;
 
-estimator::InitialGuess GuessByHand(const std::vector<rig::LightSpec>& lights,
-                                    std::uint64_t number) {
+estimator::model::InitialGuess GuessByHand(const std::vector<rig::LightSpec>& lights,
+                                           std::uint64_t number) {
   const RandomStream random(number, kHandStream);
-  estimator::InitialGuess guess;
+  estimator::model::InitialGuess guess;
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const Eigen::Vector3d direction = lights[l].direction.normalized();
     const double off = DegToRad(random.Uniform(2 * l, kLeastDeg, kMostDeg));
     const double about = random.Uniform(2 * l + 1, 0.0, 2.0 * std::numbers::pi);
     const Eigen::Vector3d axis = Eigen::AngleAxisd(about, direction) * direction.unitOrthogonal();
-    estimator::Light light;
+    estimator::model::Light light;
     light.direction = Eigen::AngleAxisd(off, axis) * direction;
     guess.lights.push_back(light);
   }

@@ -9,13 +9,13 @@
 #include "base/angles.h"
 #include "base/random.h"
 #include "bench/studies/seen.h"
-#include "estimator/normal_equations.h"
+#include "estimator/solve/normal_equations.h"
 
 namespace turnlight::studies {
 namespace {
 
-using estimator::Light;
-using estimator::Reflectance;
+using estimator::model::Light;
+using estimator::model::Reflectance;
 
 constexpr std::uint64_t kSetupStream = std::uint64_t{1} << 48;  // the attempts follow it
 constexpr int kAttempts = 400;
@@ -93,7 +93,7 @@ Reflectance DrawMaterial(Draws& draw) {
   material.specular = draw.Uniform(0.15, 0.6);
   material.shininess = draw.Log(20.0, 300.0);
   if (draw.Chance(0.1)) {
-    material.diffuse_model = estimator::DiffuseModel::kOrenNayar;
+    material.diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
     material.roughness = DegToRad(draw.Uniform(10.0, 30.0));
   }
   return material;
@@ -133,7 +133,7 @@ bool FarEnough(const Light& light, const std::vector<Light>& others, double sepa
 // Lights that are far enough apart and whose highlights are seen; none if they found no place.
 std::vector<Light> DrawLights(Draws& draw, Kind kind, int count, double radius, double shininess,
                               const SeenSurface& seen) {
-  const double separation = kLobeWidths * 2.0 * estimator::LobeHalfWidth(shininess);
+  const double separation = kLobeWidths * 2.0 * estimator::model::LobeHalfWidth(shininess);
   std::vector<Light> lights;
   for (int attempt = 0; attempt < kTriesPerLight * count; ++attempt) {
     if (static_cast<int>(lights.size()) == count) return lights;
@@ -146,16 +146,16 @@ std::vector<Light> DrawLights(Draws& draw, Kind kind, int count, double radius, 
 }
 
 // Scales light and ambient so that the brightest pixel is at `level`.
-void Expose(estimator::Scene& scene, const SeenSurface& seen, double level) {
+void Expose(estimator::model::Scene& scene, const SeenSurface& seen, double level) {
   const double factor = level / seen.Brightest(scene);
   for (Light& light : scene.lights) light.intensity *= factor;
   scene.reflectance.ambient *= factor;
 }
 
-std::optional<estimator::Scene> TryScene(std::uint64_t number, int attempt, Kind kind, int count,
-                                         double radius, const SeenSurface& seen) {
+std::optional<estimator::model::Scene> TryScene(std::uint64_t number, int attempt, Kind kind,
+                                                int count, double radius, const SeenSurface& seen) {
   Draws draw(number, kSetupStream + 1 + static_cast<std::uint64_t>(attempt));
-  estimator::Scene scene;
+  estimator::model::Scene scene;
   const bool clipped = draw.Chance(0.15);
   const double level = clipped ? draw.Uniform(1.1, 1.4) : draw.Uniform(0.7, 0.95);
   scene.reflectance = DrawMaterial(draw);

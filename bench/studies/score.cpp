@@ -10,8 +10,8 @@
 namespace turnlight::studies {
 namespace {
 
-using estimator::Light;
-using estimator::Scene;
+using estimator::model::Light;
+using estimator::model::Scene;
 
 // Beyond this a found light is not the true one, and their other values are not compared.
 constexpr double kSameLightDeg = 10.0;
@@ -56,7 +56,7 @@ void CompareLight(const Scene& truth, const Json& result, const Match& match,
         At(found, "distance_sigma"), stat("distance_sigma"));
   const Json& products = result["products"];
   const Json& products_stat = At(products, "stat");
-  const estimator::Reflectance& material = truth.reflectance;
+  const estimator::model::Reflectance& material = truth.reflectance;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto channel = static_cast<Eigen::Index>(c);
     Add(out, std::string("diffuse_") + kChannels[c], number,
@@ -72,7 +72,7 @@ void CompareLight(const Scene& truth, const Json& result, const Match& match,
 }
 
 void CompareReflectance(const Scene& truth, const Json& result, std::vector<Quantity>& out) {
-  const estimator::Reflectance& material = truth.reflectance;
+  const estimator::model::Reflectance& material = truth.reflectance;
   const Json& products = result["products"];
   const Json& found = result["reflectance"];
   const Json& found_stat = At(found["sigma"], "stat");
@@ -84,7 +84,7 @@ void CompareReflectance(const Scene& truth, const Json& result, std::vector<Quan
   if (material.specular > 0.0)
     Add(out, "shininess", -1, material.shininess, found["shininess"],
         At(found["sigma"], "shininess"), At(found_stat, "shininess"));
-  if (material.diffuse_model == estimator::DiffuseModel::kOrenNayar)
+  if (material.diffuse_model == estimator::model::DiffuseModel::kOrenNayar)
     Add(out, "roughness_deg", -1, RadToDeg(material.roughness), At(found, "roughness_deg"),
         At(found["sigma"], "roughness_deg"), At(found_stat, "roughness_deg"));
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/studies/study_file.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
 
 namespace turnlight::studies {
 
@@ -38,12 +38,12 @@ Quantity QuantityFromJson(const Json& json);
 
 // The quantities of the lights that are matched within max_angle_deg, and of the reflectance. Only
 // what is not null in the result is there.
-std::vector<Quantity> CompareWithTruth(const estimator::Scene& truth, const Json& result,
+std::vector<Quantity> CompareWithTruth(const estimator::model::Scene& truth, const Json& result,
                                        const std::vector<Match>& matches, double max_angle_deg);
 
 // The part of a record that every study of estimates shares: lights_true, lights_found, right (the
 // count), angles_deg (of the true lights, null: not found), quantities, notes (codes), rms, pixels,
 // time_s, iterations, say (one line for people).
-Json Score(const estimator::Scene& truth, const Json& result);
+Json Score(const estimator::model::Scene& truth, const Json& result);
 
 }  // namespace turnlight::studies

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/observations.h"
+#include "estimator/observe/observations.h"
 #include "rig/sim/studio.h"
 
 namespace turnlight::studies {
 namespace {
 
 using Eigen::Vector3d;
-using estimator::Light;
-using estimator::Observations;
+using estimator::model::Light;
+using estimator::observe::Observations;
 
 // Towards the light, not normalised: its length is the distance times the inverse distance.
 Vector3d Towards(const Light& light, const Vector3d& position) {
@@ -23,7 +23,7 @@ Vector3d Towards(const Light& light, const Vector3d& position) {
 Result<SeenSurface> SeenSurface::Build(const rig::SyntheticConfig& config) {
   auto studio = rig::BuildStudio(config);
   if (!studio) return Forward(studio);
-  std::vector<estimator::Keyframe> keyframes;
+  std::vector<estimator::model::Keyframe> keyframes;
   const cv::Size size(config.camera.width, config.camera.height);
   SeenSurface out;
   for (int i = 0; i < config.motion.frames; ++i) {
@@ -35,10 +35,10 @@ Result<SeenSurface> SeenSurface::Build(const rig::SyntheticConfig& config) {
     out.X_WT_.push_back(placement.X_WT);
   }
   const Observations all =
-      estimator::BuildObservations(keyframes, studio->geometry, studio->rays, nullptr);
+      estimator::observe::BuildObservations(keyframes, studio->geometry, studio->rays, nullptr);
   for (std::size_t view = 0; view + 1 < all.tile_begin.size(); ++view)
-    for (std::size_t i = all.tile_begin[view] * estimator::kTile;
-         i < all.tile_begin[view + 1] * estimator::kTile; ++i) {
+    for (std::size_t i = all.tile_begin[view] * estimator::observe::kTile;
+         i < all.tile_begin[view + 1] * estimator::observe::kTile; ++i) {
       if (all.pixel[i] == Observations::kNoPixel) continue;
       const auto vector = [i](const std::array<std::vector<float>, 3>& v) {
         return Vector3d(v[0][i], v[1][i], v[2][i]);
@@ -46,7 +46,7 @@ Result<SeenSurface> SeenSurface::Build(const rig::SyntheticConfig& config) {
       out.pixels_.push_back({all.reference + all.radius * vector(all.position), vector(all.normal),
                              vector(all.mirrored), static_cast<int>(view)});
     }
-  out.geometry_ = std::make_shared<estimator::Geometry>(std::move(studio->geometry));
+  out.geometry_ = std::make_shared<estimator::target::Geometry>(std::move(studio->geometry));
   return out;
 }
 
@@ -74,19 +74,19 @@ int SeenSurface::ViewsOfHighlight(const Light& light, double shininess, int min_
       std::count_if(count.begin(), count.end(), [&](int c) { return c >= min_pixels; }));
 }
 
-double SeenSurface::Brightest(const estimator::Scene& scene) const {
+double SeenSurface::Brightest(const estimator::model::Scene& scene) const {
   double brightest = 0.0;
   for (const SeenPixel& pixel : pixels_) {
     const Vector3d to_viewer =
         2.0 * pixel.normal.dot(pixel.mirrored) * pixel.normal - pixel.mirrored;
-    brightest = std::max(
-        brightest,
-        estimator::Shade(scene, pixel.position, pixel.normal, to_viewer.normalized()).maxCoeff());
+    brightest = std::max(brightest, estimator::model::Shade(scene, pixel.position, pixel.normal,
+                                                            to_viewer.normalized())
+                                        .maxCoeff());
   }
   return brightest;
 }
 
-double SeenSurface::HighlightPeak(const estimator::Scene& scene, const Light& light) const {
+double SeenSurface::HighlightPeak(const estimator::model::Scene& scene, const Light& light) const {
   double peak = 0.0;
   for (const SeenPixel& pixel : pixels_) {
     const Vector3d towards = Towards(light, pixel.position);

@@ -6,8 +6,8 @@
 
 #include "base/result.h"
 #include "calib/pose.h"
-#include "estimator/geometry.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
+#include "estimator/target/geometry.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::studies {
@@ -27,19 +27,21 @@ class SeenSurface {
   const std::vector<SeenPixel>& pixels() const { return pixels_; }
 
   // In how many views at least min_pixels pixels lie above the half maximum of a light's highlight.
-  int ViewsOfHighlight(const estimator::Light& light, double shininess, int min_pixels) const;
+  int ViewsOfHighlight(const estimator::model::Light& light, double shininess,
+                       int min_pixels) const;
 
   // The largest radiance of any channel, cast shadows left out of account.
-  double Brightest(const estimator::Scene& scene) const;
+  double Brightest(const estimator::model::Scene& scene) const;
 
   // The largest specular part that a light makes anywhere, in units of radiance.
-  double HighlightPeak(const estimator::Scene& scene, const estimator::Light& light) const;
+  double HighlightPeak(const estimator::model::Scene& scene,
+                       const estimator::model::Light& light) const;
 
  private:
   bool Shadowed(const SeenPixel& pixel, const Eigen::Vector3d& to_light, double distance) const;
 
   std::vector<SeenPixel> pixels_;
-  std::shared_ptr<const estimator::Geometry> geometry_;
+  std::shared_ptr<const estimator::target::Geometry> geometry_;
   std::vector<calib::Pose> X_WT_;  // per view
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 // A photograph's truth may be directions alone; then nothing else is compared.
 struct Truth {
-  estimator::Scene scene;
+  estimator::model::Scene scene;
   bool directions_only = false;
 };
 

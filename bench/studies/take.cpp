@@ -27,7 +27,7 @@ template <typename Method>
 Result<Json> EstimateBy(const rig::SyntheticSession& session, const Method& method) {
   const auto keyframes = rig::ToKeyframes(session);
   const auto start = std::chrono::steady_clock::now();
-  const estimator::Geometry geometry(session.target);
+  const estimator::target::Geometry geometry(session.target);
   const calib::RayGrid rays(session.camera);
   const auto output = method(keyframes, geometry, rays);
   if (!output) return Forward(output);
@@ -55,11 +55,12 @@ Json EstimateAndScore(const rig::SyntheticSession& session,
 }
 
 Json EstimateAndScoreByPaper(const rig::SyntheticSession& session,
-                             const estimator::PaperOptions& options) {
-  return ScoreOrFailure(session, EstimateBy(session, [&](const auto& keyframes,
-                                                         const auto& geometry, const auto& rays) {
-                          return estimator::EstimateByPaper(keyframes, geometry, rays, options);
-                        }));
+                             const estimator::baseline::PaperOptions& options) {
+  return ScoreOrFailure(
+      session,
+      EstimateBy(session, [&](const auto& keyframes, const auto& geometry, const auto& rays) {
+        return estimator::baseline::EstimateByPaper(keyframes, geometry, rays, options);
+      }));
 }
 
 Json TakeAndScore(const rig::SyntheticConfig& config, const estimator::EstimateOptions& options) {
@@ -82,10 +83,11 @@ Json Describe(const rig::SyntheticConfig& config) {
   json["width"] = config.camera.width;
   json["sensor"] = SensorWord(config.sensor);
   json["noise"] = Rounded(config.sensor.noise_relative, 3);
-  if (const auto* material = std::get_if<estimator::Reflectance>(&config.reflectance)) {
+  if (const auto* material = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
     json["shininess"] = Rounded(material->shininess, 3);
-    json["diffuse_true"] =
-        material->diffuse_model == estimator::DiffuseModel::kLambert ? "lambert" : "oren-nayar";
+    json["diffuse_true"] = material->diffuse_model == estimator::model::DiffuseModel::kLambert
+                               ? "lambert"
+                               : "oren-nayar";
   }
   return json;
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "bench/studies/study_file.h"
+#include "estimator/baseline/paper_estimate.h"
 #include "estimator/estimate.h"
-#include "estimator/paper_estimate.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/synthetic_session.h"
 
@@ -20,7 +20,7 @@ Json EstimateAndScore(const rig::SyntheticSession& session,
 
 // The same by the paper's method.
 Json EstimateAndScoreByPaper(const rig::SyntheticSession& session,
-                             const estimator::PaperOptions& options);
+                             const estimator::baseline::PaperOptions& options);
 
 // Makes the pictures in memory (with the sensor's bits, encoding and clipping), estimates, scores.
 Json TakeAndScore(const rig::SyntheticConfig& config,

@@ -300,13 +300,13 @@ RawFrame MockCamera::Develop(const Shot& shot) {
   return frame;
 }
 
-estimator::Rendering MockCamera::StaticRender(double angle_deg) const {
+estimator::target::Rendering MockCamera::StaticRender(double angle_deg) const {
   return RenderPlacement(studio_, PlacementAt(angle_deg));
 }
 
 MockCamera::Deviation MockCamera::DeviationFromStatic(const RawFrame& frame,
                                                       double angle_deg) const {
-  const estimator::Rendering still = StaticRender(angle_deg);
+  const estimator::target::Rendering still = StaticRender(angle_deg);
   const calib::Radiometry& radiometry = studio_.radiometry;
   const calib::Exposure exposure = ToExposure(frame.actual);
   cv::Mat3f above(still.radiance.size()), below(still.radiance.size());

@@ -79,7 +79,7 @@ class MockCamera : public Camera {
   // What only a simulation knows. ----------------------------------------------------------------
 
   // Noise-free, the scene at rest at that true angle; coverage is the target's share of a pixel.
-  estimator::Rendering StaticRender(double angle_deg) const;
+  estimator::target::Rendering StaticRender(double angle_deg) const;
   // How far a frame is from the static render at that angle, value by value, in standard deviations
   // of its noise and of the rounding to whole DN. Mind the number of values: the largest of a
   // million normal ones is usually about 4.9.

@@ -11,9 +11,9 @@
 namespace turnlight::rig {
 namespace {
 
-using estimator::Light;
-using estimator::Reflectance;
-using estimator::Scene;
+using estimator::model::Light;
+using estimator::model::Reflectance;
+using estimator::model::Scene;
 
 // Streams of random numbers, clear of those of the frames (0, 1, 2, ...).
 constexpr std::uint64_t kDirectionStream = std::uint64_t{1} << 40;
@@ -87,12 +87,12 @@ Reflectance DrawReflectance(const RandomReflectance& config, std::uint64_t seed)
   reflectance.ambient = Draw(random, 3, config.ambient);
   reflectance.diffuse = Draw(random, 4, config.diffuse);
   reflectance.specular_model = config.model;
-  if (config.model != estimator::SpecularModel::kNone) {
+  if (config.model != estimator::model::SpecularModel::kNone) {
     reflectance.specular = Draw(random, 5, config.specular);
     reflectance.shininess = DrawLog(random, 6, config.shininess);
   }
   reflectance.diffuse_model = config.diffuse_model;
-  if (config.diffuse_model == estimator::DiffuseModel::kOrenNayar)
+  if (config.diffuse_model == estimator::model::DiffuseModel::kOrenNayar)
     reflectance.roughness = DegToRad(Draw(random, 7, config.roughness_deg));
   return reflectance;
 }

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "base/result.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::rig {
 
 // The config must be valid. Fails (kInput) if the random lights cannot be placed as far apart as
 // asked.
-Result<estimator::Scene> DrawScene(const SyntheticConfig& config);
+Result<estimator::model::Scene> DrawScene(const SyntheticConfig& config);
 
 }  // namespace turnlight::rig

@@ -15,12 +15,12 @@
 namespace turnlight::rig {
 namespace {
 
-using estimator::DiffuseModel;
-using estimator::InitialGuess;
-using estimator::Light;
-using estimator::Reflectance;
-using estimator::Scene;
-using estimator::SpecularModel;
+using estimator::model::DiffuseModel;
+using estimator::model::InitialGuess;
+using estimator::model::Light;
+using estimator::model::Reflectance;
+using estimator::model::Scene;
+using estimator::model::SpecularModel;
 
 constexpr double kMaxDisagreementDeg = 0.1;
 constexpr double kMaxDistanceDisagreement = 1e-3;
@@ -169,9 +169,10 @@ double SpecularOf(StrictObject& object, SpecularModel model) {
 // A lobe that is not there has no width: its shininess may be absent.
 double ShininessOf(StrictObject& object, double specular) {
   if (specular > 0.0)
-    return object.Number("shininess",
-                         {.min = estimator::kMinShininess, .max = estimator::kMaxShininess});
-  return OptionalNumberOrNull(object, "shininess", {.min = 0.0, .max = estimator::kMaxShininess})
+    return object.Number("shininess", {.min = estimator::model::kMinShininess,
+                                       .max = estimator::model::kMaxShininess});
+  return OptionalNumberOrNull(object, "shininess",
+                              {.min = 0.0, .max = estimator::model::kMaxShininess})
       .value_or(1.0);
 }
 

@@ -19,31 +19,32 @@
 
 #include "base/result.h"
 #include "base/strict_object.h"
-#include "estimator/initial_guess.h"
-#include "estimator/scene.h"
+#include "estimator/model/initial_guess.h"
+#include "estimator/model/scene.h"
 
 namespace turnlight::rig {
 
 // A whole scene, ready to be rendered. Fails (kInput): no reflectance, a light without intensity, a
 // position and a direction (or a position and an inverse_distance) that disagree by more than 0.1
 // degree (0.1 %), a zero direction, shininess outside [0.5, 1e5], anything negative.
-Result<estimator::Scene> ReadScene(const std::filesystem::path& path);
-Result<estimator::Scene> ParseScene(const std::string& text, const std::string& file);
+Result<estimator::model::Scene> ReadScene(const std::filesystem::path& path);
+Result<estimator::model::Scene> ParseScene(const std::string& text, const std::string& file);
 
 // A start for the estimator: directions suffice. The direction wins over the position, whose length
 // gives the distance; both from W's origin. The result.json of an earlier estimate is a full guess.
-Result<estimator::InitialGuess> ReadInitialGuess(const std::filesystem::path& path);
-Result<estimator::InitialGuess> ParseInitialGuess(const std::string& text, const std::string& file);
+Result<estimator::model::InitialGuess> ReadInitialGuess(const std::filesystem::path& path);
+Result<estimator::model::InitialGuess> ParseInitialGuess(const std::string& text,
+                                                         const std::string& file);
 
 // The text of a truth.json; ParseScene gives back the same bits in every number but roughness,
 // which passes through degrees.
-std::string TruthToJson(const estimator::Scene& scene, const std::string& note = "");
+std::string TruthToJson(const estimator::model::Scene& scene, const std::string& note = "");
 
 // The keys of `reflectance` above, read from an object; refusals are left in the object.
-estimator::Reflectance ReadReflectance(StrictObject& object);
+estimator::model::Reflectance ReadReflectance(StrictObject& object);
 
 // The words used in files.
-std::string ModelWord(estimator::SpecularModel model);  // "none", "phong", "blinn-phong"
-std::string ModelWord(estimator::DiffuseModel model);   // "lambert", "oren-nayar"
+std::string ModelWord(estimator::model::SpecularModel model);  // "none", "phong", "blinn-phong"
+std::string ModelWord(estimator::model::DiffuseModel model);   // "lambert", "oren-nayar"
 
 }  // namespace turnlight::rig

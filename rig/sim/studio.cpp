@@ -108,7 +108,7 @@ Result<Studio> BuildStudio(const SyntheticConfig& config) {
   Studio studio{*camera,
                 calib::RayGrid(*camera),
                 target,
-                estimator::Geometry(target),
+                estimator::target::Geometry(target),
                 *scene,
                 config.sensor.ToRadiometry(),
                 config.samples_per_side};
@@ -125,10 +125,12 @@ Placement PlaceAt(const Motion& motion, double angle_deg) {
           orbit ? X_AT : Turn(Eigen::Vector3d::UnitZ(), angle) * X_AT};
 }
 
-estimator::Rendering RenderPlacement(const Studio& studio, const Placement& placement, bool lit) {
-  const estimator::Scene dark{{}, studio.scene.reflectance};
-  return estimator::Render(lit ? studio.scene : dark, studio.geometry, studio.rays, placement.X_WC,
-                           placement.X_WT, {.samples_per_side = studio.samples_per_side});
+estimator::target::Rendering RenderPlacement(const Studio& studio, const Placement& placement,
+                                             bool lit) {
+  const estimator::model::Scene dark{{}, studio.scene.reflectance};
+  return estimator::target::Render(lit ? studio.scene : dark, studio.geometry, studio.rays,
+                                   placement.X_WC, placement.X_WT,
+                                   {.samples_per_side = studio.samples_per_side});
 }
 
 double NoiseSigma(const Sensor& sensor, const calib::Radiometry& radiometry,

@@ -10,9 +10,9 @@
 #include "calib/pose.h"
 #include "calib/radiometry.h"
 #include "calib/target_shape.h"
-#include "estimator/geometry.h"
-#include "estimator/renderer.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
+#include "estimator/target/geometry.h"
+#include "estimator/target/renderer.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::rig {
@@ -21,9 +21,9 @@ struct Studio {
   calib::CameraModel camera;
   calib::RayGrid rays;
   calib::TargetShape target;
-  estimator::Geometry geometry;
-  estimator::Scene scene;        // the truth
-  calib::Radiometry radiometry;  // reference_gain_db is 0; no reference_exposure_us
+  estimator::target::Geometry geometry;
+  estimator::model::Scene scene;  // the truth
+  calib::Radiometry radiometry;   // reference_gain_db is 0; no reference_exposure_us
   int samples_per_side = 5;
 };
 
@@ -41,8 +41,8 @@ struct Placement {
 Placement PlaceAt(const Motion& motion, double angle_deg);
 
 // Noise-free. lit = false leaves the ambient term alone.
-estimator::Rendering RenderPlacement(const Studio& studio, const Placement& placement,
-                                     bool lit = true);
+estimator::target::Rendering RenderPlacement(const Studio& studio, const Placement& placement,
+                                             bool lit = true);
 
 // Standard deviation of the noise of one value of linear radiance. The sensor's variance is
 // (noise_relative G)^2 + noise_shot^2 G s for a signal s (share of white) at a gain factor G.

@@ -91,13 +91,13 @@ void CheckLights(ConfigChecker& check, const SyntheticConfig& config) {
 }
 
 void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
-  if (const auto* given = std::get_if<estimator::Reflectance>(&config.reflectance)) {
+  if (const auto* given = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
     CheckColor(check, "reflectance/albedo", given->albedo);
     check.From("reflectance/ambient", given->ambient, 0.0, kMaxValue);
     check.From("reflectance/diffuse", given->diffuse, 0.0, kMaxValue);
     check.From("reflectance/specular", given->specular, 0.0, kMaxValue);
-    check.From("reflectance/shininess", given->shininess, estimator::kMinShininess,
-               estimator::kMaxShininess);
+    check.From("reflectance/shininess", given->shininess, estimator::model::kMinShininess,
+               estimator::model::kMaxShininess);
     check.From("reflectance/roughness_deg", RadToDeg(given->roughness), 0.0, 90.0);
     return;
   }
@@ -106,8 +106,8 @@ void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
   Within(check, "random_reflectance/ambient", random.ambient, 0.0, kMaxValue);
   Within(check, "random_reflectance/diffuse", random.diffuse, 0.0, kMaxValue);
   Within(check, "random_reflectance/specular", random.specular, 0.0, kMaxValue);
-  Within(check, "random_reflectance/shininess", random.shininess, estimator::kMinShininess,
-         estimator::kMaxShininess);
+  Within(check, "random_reflectance/shininess", random.shininess, estimator::model::kMinShininess,
+         estimator::model::kMaxShininess);
   Within(check, "random_reflectance/roughness_deg", random.roughness_deg, 0.0, 90.0);
 }
 

@@ -33,7 +33,7 @@
 #include "base/strict_object.h"
 #include "calib/radiometry.h"
 #include "calib/target_shape.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
 #include "rig/sim/blob.h"
 #include "rig/sim/config_fields.h"
 
@@ -85,8 +85,8 @@ struct RandomLights {
 
 // Each value uniform in its interval; shininess uniform in its logarithm. One albedo per channel.
 struct RandomReflectance {
-  estimator::SpecularModel model = estimator::SpecularModel::kPhong;
-  estimator::DiffuseModel diffuse_model = estimator::DiffuseModel::kLambert;
+  estimator::model::SpecularModel model = estimator::model::SpecularModel::kPhong;
+  estimator::model::DiffuseModel diffuse_model = estimator::model::DiffuseModel::kLambert;
   Interval albedo{0.2, 0.8};
   Interval ambient{0.02, 0.12};
   Interval diffuse{0.4, 0.7};
@@ -126,7 +126,7 @@ struct SyntheticConfig {
   Motion motion;
   SyntheticCamera camera;
   std::variant<std::vector<LightSpec>, RandomLights> lights = RandomLights{};
-  std::variant<estimator::Reflectance, RandomReflectance> reflectance = RandomReflectance{};
+  std::variant<estimator::model::Reflectance, RandomReflectance> reflectance = RandomReflectance{};
   Sensor sensor;
   int samples_per_side = 5;
   bool masks = false;

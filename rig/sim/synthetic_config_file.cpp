@@ -113,8 +113,8 @@ Status ReadRandomLights(StrictObject object, SyntheticConfig& config) {
 }
 
 Status ReadRandomReflectance(StrictObject object, SyntheticConfig& config) {
-  using estimator::DiffuseModel;
-  using estimator::SpecularModel;
+  using estimator::model::DiffuseModel;
+  using estimator::model::SpecularModel;
   RandomReflectance random;
   const auto model = object.OptionalChoice("model", {"phong", "blinn-phong", "none"});
   if (model == "blinn-phong") random.model = SpecularModel::kBlinnPhong;
@@ -252,7 +252,7 @@ void AddLights(ordered_json& json, const SyntheticConfig& config) {
 }
 
 void AddReflectance(ordered_json& json, const SyntheticConfig& config) {
-  if (const auto* given = std::get_if<estimator::Reflectance>(&config.reflectance)) {
+  if (const auto* given = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
     json["reflectance"] = ordered_json{{"model", ModelWord(given->specular_model)},
                                        {"diffuse_model", ModelWord(given->diffuse_model)},
                                        {"albedo", ToJson(given->albedo)},

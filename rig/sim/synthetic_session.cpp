@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/random.h"
 #include "base/sha256.h"
-#include "estimator/renderer.h"
+#include "estimator/target/renderer.h"
 #include "rig/session/image_file.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
@@ -68,7 +68,7 @@ Result<Shoot> PrepareShoot(const SyntheticConfig& config) {
 SyntheticFrame MakeFrame(const SyntheticConfig& config, const Shoot& shoot, int index) {
   const double angle_deg = index * config.motion.step_deg;
   const Placement placement = PlaceAt(config.motion, angle_deg);
-  const estimator::Rendering rendering = RenderPlacement(shoot.studio, placement);
+  const estimator::target::Rendering rendering = RenderPlacement(shoot.studio, placement);
   const RandomStream random(config.seed, static_cast<std::uint64_t>(index));
   return {Photograph(config.sensor, shoot.studio.radiometry, shoot.exposure, random,
                      rendering.radiance),
@@ -187,8 +187,8 @@ Result<SyntheticSession> SynthesizeInMemory(const SyntheticConfig& config) {
   return session;
 }
 
-std::vector<estimator::Keyframe> ToKeyframes(const SyntheticSession& session) {
-  std::vector<estimator::Keyframe> keyframes;
+std::vector<estimator::model::Keyframe> ToKeyframes(const SyntheticSession& session) {
+  std::vector<estimator::model::Keyframe> keyframes;
   for (const SyntheticFrame& frame : session.frames)
     keyframes.push_back({calib::Linearise(frame.image, session.radiometry, frame.exposure),
                          frame.mask, frame.X_WC, frame.X_WT});

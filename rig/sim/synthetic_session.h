@@ -16,8 +16,8 @@
 #include "calib/pose.h"
 #include "calib/radiometry.h"
 #include "calib/target_shape.h"
-#include "estimator/keyframe.h"
-#include "estimator/scene.h"
+#include "estimator/model/keyframe.h"
+#include "estimator/model/scene.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::rig {
@@ -36,14 +36,14 @@ struct SyntheticSession {
   calib::TargetShape target;
   calib::Radiometry radiometry;  // references filled in
   std::vector<SyntheticFrame> frames;
-  estimator::Scene scene;  // the truth
+  estimator::model::Scene scene;  // the truth
 };
 
 // Fails (kInput): what Validate refuses, lights that cannot be placed as far apart as asked.
 Result<SyntheticSession> SynthesizeInMemory(const SyntheticConfig& config);
 
 // The frames as the estimator takes them.
-std::vector<estimator::Keyframe> ToKeyframes(const SyntheticSession& session);
+std::vector<estimator::model::Keyframe> ToKeyframes(const SyntheticSession& session);
 
 // Called after each frame; false stops.
 using FrameProgress = std::function<bool(std::size_t done, std::size_t total)>;

@@ -9,9 +9,9 @@
 namespace turnlight::app {
 namespace {
 
-using estimator::DiffuseModel;
-using estimator::ModelChoice;
-using estimator::SpecularModel;
+using estimator::model::DiffuseModel;
+using estimator::model::ModelChoice;
+using estimator::model::SpecularModel;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;

@@ -109,7 +109,7 @@ rig::SyntheticConfig SmallConfig() {
   config.motion.step_deg = 120.0;
   config.camera = {80, 60, 170.0, {}};
   config.lights = std::vector<rig::LightSpec>{{{0.4, 0.3, 0.85}, 600.0, 1.0, {1, 1, 1}}};
-  estimator::Reflectance reflectance;
+  estimator::model::Reflectance reflectance;
   reflectance.albedo = {0.5, 0.4, 0.3};
   reflectance.ambient = 0.1;
   reflectance.diffuse = 0.7;

@@ -104,7 +104,7 @@ TEST(Render, SettingsAndLightsAreTheScene) {
   const TemporaryFolder folder;
   WriteSession(SmallConfig(), folder / "s");
   rig::SyntheticConfig other = SmallConfig();
-  auto& reflectance = std::get<estimator::Reflectance>(other.reflectance);
+  auto& reflectance = std::get<estimator::model::Reflectance>(other.reflectance);
   reflectance.shininess = 80.0;
   reflectance.albedo = {0.1, 0.2, 0.3};
   other.lights = std::vector<rig::LightSpec>{{{0, 0, 1}, {}, 0.25, {1, 1, 1}},

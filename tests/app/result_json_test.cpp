@@ -51,7 +51,7 @@ estimator::Estimate Example() {
   e.views = 36;
   e.ladder = {{"one more light", false, "it explains 0.01 % of the energy"}};
   e.notes = {{"views-add-nothing", "all views show the same"}};
-  e.stopped = estimator::Stopped::kTolerance;
+  e.stopped = estimator::solve::Stopped::kTolerance;
   return e;
 }
 
@@ -95,7 +95,7 @@ TEST(ResultJson, WhatIsUnknownIsNullWithANote) {
 
 TEST(ResultJson, WithoutALobeThereIsNoShininess) {
   estimator::Estimate e = Example();
-  e.reflectance.specular_model = estimator::SpecularModel::kNone;
+  e.reflectance.specular_model = estimator::model::SpecularModel::kNone;
   e.sigma.shininess.reset();
   const auto json = ToJson(e);
   EXPECT_TRUE(json["reflectance"]["shininess"].is_null());
@@ -116,7 +116,7 @@ TEST(ResultJson, NoInfinityGetsOut) {
 
 TEST(ResultJson, ReadsBackAsTheSameScene) {
   estimator::Estimate e = Example();
-  e.reflectance.diffuse_model = estimator::DiffuseModel::kOrenNayar;
+  e.reflectance.diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
   e.reflectance.roughness = DegToRad(20.0);
   e.reflectance.ambient = 1.0 / 3.0;
   e.lights[1].light.color = {1.0, 0.9, 0.7};
@@ -136,12 +136,12 @@ TEST(ResultJson, ReadsBackAsTheSameScene) {
 }
 
 TEST(ResultJson, LobeWidthIsWhereTheLobeHalves) {
-  estimator::Reflectance phong;
+  estimator::model::Reflectance phong;
   phong.shininess = 40.0;
   const double half = DegToRad(LobeWidthDeg(phong) / 2.0);
   EXPECT_NEAR(std::pow(std::cos(half), 40.0), 0.5, 1e-12);
-  estimator::Reflectance blinn = phong;
-  blinn.specular_model = estimator::SpecularModel::kBlinnPhong;
+  estimator::model::Reflectance blinn = phong;
+  blinn.specular_model = estimator::model::SpecularModel::kBlinnPhong;
   EXPECT_DOUBLE_EQ(LobeWidthDeg(blinn), 2.0 * LobeWidthDeg(phong));
 }
 

@@ -91,8 +91,8 @@ Json SmallResult() {
   return result;
 }
 
-estimator::Scene SmallTruth() {
-  estimator::Scene truth;
+estimator::model::Scene SmallTruth() {
+  estimator::model::Scene truth;
   truth.lights.push_back({Vector3d::UnitZ(), 0.002, 2.0, Vector3d::Ones()});
   truth.reflectance.albedo = {0.6, 0.8, 1.0};
   truth.reflectance.ambient = 0.1;
@@ -126,7 +126,7 @@ TEST(Scoring, TakesErrorsAndSigmasFromTheResult) {
 }
 
 TEST(Scoring, ComparesNothingWithAnotherLightWhenTheCountIsWrong) {
-  estimator::Scene truth = SmallTruth();
+  estimator::model::Scene truth = SmallTruth();
   truth.lights.front().direction = Vector3d::UnitX();
   truth.lights.push_back({Vector3d::UnitY(), 0.0, 1.0, Vector3d::Ones()});
   const Json record = Score(truth, SmallResult());
@@ -187,13 +187,13 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
     const auto config = RandomScene(number);
     ASSERT_TRUE(config) << config.error().text;
     const auto& lights = std::get<std::vector<rig::LightSpec>>(config->lights);
-    const auto& material = std::get<estimator::Reflectance>(config->reflectance);
+    const auto& material = std::get<estimator::model::Reflectance>(config->reflectance);
     EXPECT_GE(material.shininess, 20.0);
     const auto seen = SeenSurface::Build(*config);
     ASSERT_TRUE(seen);
     const double width = 2.0 * std::acos(std::exp2(-1.0 / material.shininess));
     double weakest = INFINITY, strongest = 0.0;
-    estimator::Scene scene{{}, material};
+    estimator::model::Scene scene{{}, material};
     for (const rig::LightSpec& a : lights) {
       weakest = std::min(weakest, a.intensity);
       strongest = std::max(strongest, a.intensity);
@@ -201,8 +201,8 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
         if (&a != &b) {
           EXPECT_GE(std::acos(a.direction.dot(b.direction)), 2.0 * width - 1e-9);
         }
-      const estimator::Light light{a.direction, a.distance ? 1.0 / *a.distance : 0.0, a.intensity,
-                                   a.color};
+      const estimator::model::Light light{a.direction, a.distance ? 1.0 / *a.distance : 0.0,
+                                          a.intensity, a.color};
       EXPECT_GE(seen->ViewsOfHighlight(light, material.shininess, 4), 2);
       scene.lights.push_back(light);
       EXPECT_GE(seen->HighlightPeak(scene, light), 0.05);
@@ -221,8 +221,8 @@ TEST(Seeing, AShadowedHighlightIsNotSeen) {
   config.camera = {80, 60, 130.0, std::nullopt};
   const auto seen = SeenSurface::Build(config);
   ASSERT_TRUE(seen);
-  const estimator::Light above{Vector3d::UnitZ(), 0.0, 1.0, Vector3d::Ones()};
-  const estimator::Light below{-Vector3d::UnitZ(), 0.0, 1.0, Vector3d::Ones()};
+  const estimator::model::Light above{Vector3d::UnitZ(), 0.0, 1.0, Vector3d::Ones()};
+  const estimator::model::Light below{-Vector3d::UnitZ(), 0.0, 1.0, Vector3d::Ones()};
   EXPECT_EQ(seen->ViewsOfHighlight(above, 10.0, 4), 3);
   EXPECT_EQ(seen->ViewsOfHighlight(below, 10.0, 4), 0);
 }
@@ -231,7 +231,7 @@ StudyFile SmallStudy() {
   Json right = Score(SmallTruth(), SmallResult());
   right["target"] = "sphere";
   right["id"] = "random/0000";
-  estimator::Scene two = SmallTruth();
+  estimator::model::Scene two = SmallTruth();
   two.lights.push_back({Vector3d::UnitY(), 0.0, 1.0, Vector3d::Ones()});
   Json wrong = Score(two, SmallResult());
   wrong["id"] = "random/0001";

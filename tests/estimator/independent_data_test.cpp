@@ -10,10 +10,10 @@
 
 #include "base/angles.h"
 #include "estimator/estimate.h"
-#include "estimator/renderer.h"
+#include "estimator/target/renderer.h"
 #include "rig/session/session.h"
 #include "rig/sim/scene_file.h"
-#include "small_scene.h"
+#include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 struct Data {
   rig::Session session;
   calib::TargetShape shape;
-  std::vector<Keyframe> keyframes;
+  std::vector<model::Keyframe> keyframes;
   std::filesystem::path truth;
 };
 
@@ -61,11 +61,12 @@ TEST_P(RenderCheck, EveryFrameTwoPixelsInsideTheOutline) {
   const Data data = Load(GetParam().name);
   const auto scene = rig::ReadScene(data.truth);
   ASSERT_TRUE(scene) << scene.error().text;
-  const Geometry geometry(data.shape);
+  const target::Geometry geometry(data.shape);
   const calib::RayGrid rays(*data.session.camera);
   for (std::size_t k = 0; k < data.keyframes.size(); ++k) {
-    const Keyframe& keyframe = data.keyframes[k];
-    const Rendering rendering = Render(*scene, geometry, rays, keyframe.X_WC, keyframe.X_WT);
+    const model::Keyframe& keyframe = data.keyframes[k];
+    const target::Rendering rendering =
+        target::Render(*scene, geometry, rays, keyframe.X_WC, keyframe.X_WT);
     cv::Mat1b inside = rendering.coverage > 0.9999f;
     cv::erode(inside, inside, cv::Mat1b::ones(5, 5));
     ASSERT_GT(cv::countNonZero(inside), 1000);
@@ -83,10 +84,10 @@ INSTANTIATE_TEST_SUITE_P(PovRay, RenderCheck,
                                          RenderCase{"pov_table_mesh_2", 5e-4}));
 
 // Every product, direction, distance and the shininess against the truth.
-void ExpectTruth(const Estimate& estimate, const Scene& truth) {
+void ExpectTruth(const Estimate& estimate, const model::Scene& truth) {
   ASSERT_EQ(estimate.lights.size(), truth.lights.size());
-  const Reflectance& r = truth.reflectance;
-  for (const Light& light : truth.lights) {
+  const model::Reflectance& r = truth.reflectance;
+  for (const model::Light& light : truth.lights) {
     const LightEstimate* nearest = &estimate.lights.front();
     for (const LightEstimate& other : estimate.lights) {
       if (AngleDeg(other.light.direction, light.direction) <
@@ -109,7 +110,7 @@ void ExpectTruth(const Estimate& estimate, const Scene& truth) {
   if (r.specular > 0.0) {
     EXPECT_NEAR(estimate.reflectance.shininess / r.shininess, 1.0, 0.01);
   } else {
-    EXPECT_EQ(estimate.reflectance.specular_model, SpecularModel::kNone);
+    EXPECT_EQ(estimate.reflectance.specular_model, model::SpecularModel::kNone);
   }
 }
 
@@ -120,8 +121,8 @@ TEST_P(PovScene, IsFoundWithoutAHint) {
   const Data data = Load(GetParam());
   const auto truth = rig::ReadScene(data.truth);
   ASSERT_TRUE(truth);
-  const auto output =
-      EstimateScene(data.keyframes, Geometry(data.shape), calib::RayGrid(*data.session.camera), {});
+  const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
+                                    calib::RayGrid(*data.session.camera), {});
   ASSERT_TRUE(output) << output.error().text;
   ExpectTruth(output->estimate, *truth);
 }
@@ -136,16 +137,16 @@ TEST(PovSceneTest, ThreeLightsFromAHintFiveDegreesOff) {
   const auto truth = rig::ReadScene(data.truth);
   ASSERT_TRUE(truth);
   EstimateOptions options;
-  options.initial = InitialGuess{};
+  options.initial = model::InitialGuess{};
   double turn = 0.0;
-  for (Light light : truth->lights) {
+  for (model::Light light : truth->lights) {
     const Eigen::Vector3d across =
         Eigen::AngleAxisd(turn += 2.0, light.direction) * light.direction.unitOrthogonal();
     light.direction = (light.direction + std::tan(DegToRad(5.0)) * across).normalized();
     light.inverse_distance = 0.0;
     options.initial->lights.push_back(light);
   }
-  const auto output = EstimateScene(data.keyframes, Geometry(data.shape),
+  const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
                                     calib::RayGrid(*data.session.camera), options);
   ASSERT_TRUE(output) << output.error().text;
   ExpectTruth(output->estimate, *truth);
@@ -160,7 +161,7 @@ TEST(PhotographTest, OneLightEachWithinTwoDegreesInTheMean) {
     const Data data = Load(name);
     const auto truth = rig::ReadInitialGuess(data.truth);
     ASSERT_TRUE(truth);
-    const auto output = EstimateScene(data.keyframes, Geometry(data.shape),
+    const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
                                       calib::RayGrid(*data.session.camera), {});
     ASSERT_TRUE(output) << output.error().text;
     ASSERT_EQ(output->estimate.lights.size(), 1u) << name;

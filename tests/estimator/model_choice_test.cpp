@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "estimator/estimate.h"
-#include "small_scene.h"
+#include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -21,7 +21,8 @@ rig::SyntheticConfig Ball(double noise, double ambient) {
   return config;
 }
 
-Result<EstimateOutput> EstimateWith(const rig::SyntheticConfig& config, const ModelChoice& choice) {
+Result<EstimateOutput> EstimateWith(const rig::SyntheticConfig& config,
+                                    const model::ModelChoice& choice) {
   const auto session = rig::SynthesizeInMemory(config);
   if (!session) return Forward(session);
   EstimateOptions options;
@@ -30,18 +31,18 @@ Result<EstimateOutput> EstimateWith(const rig::SyntheticConfig& config, const Mo
 }
 
 // With so much noise that a model which does not fit is no reason to go on looking for lights.
-Result<EstimateOutput> EstimateWith(const ModelChoice& choice) {
+Result<EstimateOutput> EstimateWith(const model::ModelChoice& choice) {
   return EstimateWith(Ball(0.02, 0.1), choice);
 }
 
-const Rung* Find(const Estimate& estimate, const std::string& name) {
+const model::Rung* Find(const Estimate& estimate, const std::string& name) {
   const auto at = std::find_if(estimate.ladder.rbegin(), estimate.ladder.rend(),
-                               [&](const Rung& rung) { return rung.rung == name; });
+                               [&](const model::Rung& rung) { return rung.rung == name; });
   return at == estimate.ladder.rend() ? nullptr : &*at;
 }
 
 void ExpectAsAsked(const Estimate& estimate, const std::string& name, bool accepted) {
-  const Rung* rung = Find(estimate, name);
+  const model::Rung* rung = Find(estimate, name);
   ASSERT_NE(rung, nullptr) << name;
   EXPECT_EQ(rung->accepted, accepted) << name;
   EXPECT_NE(rung->why.find("as asked for"), std::string::npos) << name << ": " << rung->why;
@@ -52,21 +53,21 @@ TEST(ModelChoice, LeftOpenTheDataDecide) {
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;
   EXPECT_EQ(e.lights.size(), 2u);
-  EXPECT_EQ(e.reflectance.specular_model, SpecularModel::kPhong);
-  EXPECT_EQ(e.reflectance.diffuse_model, DiffuseModel::kLambert);
+  EXPECT_EQ(e.reflectance.specular_model, model::SpecularModel::kPhong);
+  EXPECT_EQ(e.reflectance.diffuse_model, model::DiffuseModel::kLambert);
   for (const LightEstimate& light : e.lights) EXPECT_TRUE(light.near);
-  for (const Rung& rung : e.ladder)
+  for (const model::Rung& rung : e.ladder)
     EXPECT_EQ(rung.why.find("asked for"), std::string::npos) << rung.rung << ": " << rung.why;
 }
 
 TEST(ModelChoice, AsManyLightsAsAskedFor) {
   for (const int count : {1, 3}) {
-    ModelChoice choice;
+    model::ModelChoice choice;
     choice.lights = count;
     const auto output = EstimateWith(choice);
     ASSERT_TRUE(output) << output.error().text;
     const Estimate& e = output->estimate;
-    const Rung* rung = Find(e, "lights");
+    const model::Rung* rung = Find(e, "lights");
     ASSERT_NE(rung, nullptr);
     EXPECT_EQ(rung->accepted, static_cast<int>(e.lights.size()) == count) << rung->why;
     EXPECT_EQ(rung->why, std::to_string(count) + " were asked for, " +
@@ -78,27 +79,27 @@ TEST(ModelChoice, AsManyLightsAsAskedFor) {
   }
 }
 
-void ExpectReflectanceAsAsked(SpecularModel specular, DiffuseModel diffuse) {
-  ModelChoice choice;
+void ExpectReflectanceAsAsked(model::SpecularModel specular, model::DiffuseModel diffuse) {
+  model::ModelChoice choice;
   choice.specular = specular;
   choice.diffuse = diffuse;
   const auto output = EstimateWith(choice);
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;
   EXPECT_EQ(e.reflectance.specular_model, specular);
-  EXPECT_EQ(e.reflectance.specular > 0.0, specular != SpecularModel::kNone);
+  EXPECT_EQ(e.reflectance.specular > 0.0, specular != model::SpecularModel::kNone);
   EXPECT_EQ(e.reflectance.diffuse_model, diffuse);
-  ExpectAsAsked(e, "specular", specular != SpecularModel::kNone);
-  ExpectAsAsked(e, "blinn-phong", specular == SpecularModel::kBlinnPhong);
-  ExpectAsAsked(e, "oren-nayar", diffuse == DiffuseModel::kOrenNayar);
+  ExpectAsAsked(e, "specular", specular != model::SpecularModel::kNone);
+  ExpectAsAsked(e, "blinn-phong", specular == model::SpecularModel::kBlinnPhong);
+  ExpectAsAsked(e, "oren-nayar", diffuse == model::DiffuseModel::kOrenNayar);
 }
 
 TEST(ModelChoice, NoHighlightAndARoughSurface) {
-  ExpectReflectanceAsAsked(SpecularModel::kNone, DiffuseModel::kOrenNayar);
+  ExpectReflectanceAsAsked(model::SpecularModel::kNone, model::DiffuseModel::kOrenNayar);
 }
 
 TEST(ModelChoice, BlinnPhongOnASmoothSurface) {
-  ExpectReflectanceAsAsked(SpecularModel::kBlinnPhong, DiffuseModel::kLambert);
+  ExpectReflectanceAsAsked(model::SpecularModel::kBlinnPhong, model::DiffuseModel::kLambert);
 }
 
 TEST(ModelChoice, ADistantLightHasNoDistance) {
@@ -106,7 +107,7 @@ TEST(ModelChoice, ADistantLightHasNoDistance) {
   LightsOf(config).pop_back();
   const auto open = EstimateWith(config, {});
   ASSERT_TRUE(open) << open.error().text;
-  ModelChoice choice;
+  model::ModelChoice choice;
   choice.near = false;
   choice.lights = 1;
   const auto asked = EstimateWith(config, choice);
@@ -126,7 +127,7 @@ TEST(ModelChoice, NearLightsKeepTheirDistance) {
   for (rig::LightSpec& light : LightsOf(config)) light.distance = 1e6;
   const auto open = EstimateWith(config, {});
   ASSERT_TRUE(open) << open.error().text;
-  ModelChoice choice;
+  model::ModelChoice choice;
   choice.near = true;
   const auto asked = EstimateWith(config, choice);
   ASSERT_TRUE(asked) << asked.error().text;
@@ -145,9 +146,10 @@ TEST(ModelChoice, NearLightsKeepTheirDistance) {
 }
 
 TEST(ModelChoice, TheLobeIsThatOfThePictures) {
-  for (const SpecularModel model : {SpecularModel::kPhong, SpecularModel::kBlinnPhong}) {
+  for (const model::SpecularModel model :
+       {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong}) {
     rig::SyntheticConfig config = Ball(0.004, 0.1);
-    auto& reflectance = std::get<Reflectance>(config.reflectance);
+    auto& reflectance = std::get<model::Reflectance>(config.reflectance);
     reflectance.specular_model = model;
     reflectance.shininess = 60.0;
     const auto output = EstimateWith(config, {});
@@ -156,15 +158,15 @@ TEST(ModelChoice, TheLobeIsThatOfThePictures) {
     EXPECT_EQ(e.lights.size(), 2u);
     EXPECT_EQ(e.reflectance.specular_model, model);
     EXPECT_NEAR(e.reflectance.shininess, 60.0, 3.0);
-    const Rung* rung = Find(e, "blinn-phong");
+    const model::Rung* rung = Find(e, "blinn-phong");
     ASSERT_NE(rung, nullptr);
-    EXPECT_EQ(rung->accepted, model == SpecularModel::kBlinnPhong) << rung->why;
+    EXPECT_EQ(rung->accepted, model == model::SpecularModel::kBlinnPhong) << rung->why;
   }
 }
 
 TEST(ModelChoice, AmbientLightAloneIsNoLight) {
   rig::SyntheticConfig config = Ball(0.01, 0.5);
-  auto& reflectance = std::get<Reflectance>(config.reflectance);
+  auto& reflectance = std::get<model::Reflectance>(config.reflectance);
   reflectance.diffuse = 0.0;
   reflectance.specular = 0.0;
   const auto output = EstimateWith(config, {});

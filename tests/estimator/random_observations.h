@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/random.h"
-#include "estimator/observations.h"
-#include "estimator/scene.h"
+#include "estimator/model/scene.h"
+#include "estimator/observe/observations.h"
 
 namespace turnlight::estimator {
 
@@ -17,12 +17,12 @@ inline Eigen::Vector3d RandomUnit(const RandomStream& random, std::uint64_t inde
 }
 
 // Two lights over a glossy material, with these inverse distances (1/R).
-inline Scene TwoLights(double first = 0.15, double second = 0.25) {
-  Scene scene;
+inline model::Scene TwoLights(double first = 0.15, double second = 0.25) {
+  model::Scene scene;
   scene.lights = {
       {Eigen::Vector3d(0.3, 0.2, 1.0).normalized(), first, 0.9, Eigen::Vector3d::Ones()},
       {Eigen::Vector3d(-0.7, 0.3, 0.6).normalized(), second, 0.6, Eigen::Vector3d::Ones()}};
-  Reflectance& r = scene.reflectance;
+  model::Reflectance& r = scene.reflectance;
   r.albedo = {0.4, 0.6, 0.7};
   r.ambient = 0.1;
   r.diffuse = 0.6;
@@ -38,15 +38,15 @@ struct RandomPoint {
 // Points of the unit ball's upper part seen from above, n.v at least 0.3; radiances are random, or
 // those of the scene if one is given.
 struct RandomObservations {
-  Observations observations;
+  observe::Observations observations;
   std::vector<RandomPoint> points;
 
   RandomObservations(std::size_t count, int channels, std::uint64_t seed,
-                     const Scene* scene = nullptr) {
+                     const model::Scene* scene = nullptr) {
     const RandomStream random(seed, 7);
-    Observations& out = observations;
+    observe::Observations& out = observations;
     out.channels = channels;
-    const std::size_t size = (count + kTile - 1) / kTile * kTile;
+    const std::size_t size = (count + observe::kTile - 1) / observe::kTile * observe::kTile;
     for (int k = 0; k < 3; ++k) {
       out.position[k].assign(size, 0.0f);
       out.normal[k].assign(size, k == 2 ? 1.0f : 0.0f);
@@ -55,9 +55,9 @@ struct RandomObservations {
     }
     for (auto& component : out.footprint) component.assign(size, 0);
     for (auto& component : out.step) component.assign(size, 0);
-    out.pixel.assign(size, Observations::kNoPixel);
-    out.tile_footprint.assign(size / kTile, 0.0f);
-    out.tile_begin = {0, size / kTile};
+    out.pixel.assign(size, observe::Observations::kNoPixel);
+    out.tile_footprint.assign(size / observe::kTile, 0.0f);
+    out.tile_begin = {0, size / observe::kTile};
     out.used = count;
     std::uint64_t draw = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -70,7 +70,7 @@ struct RandomObservations {
       Store(i, point);
       for (int c = 0; c < channels; ++c)
         out.radiance[c][i] = static_cast<float>(
-            scene ? Shade(*scene, points[i].position, points[i].normal, points[i].viewer)[c]
+            scene ? model::Shade(*scene, points[i].position, points[i].normal, points[i].viewer)[c]
                   : random.Uniform(2000000 + 3 * i + static_cast<std::uint64_t>(c)));
     }
   }
@@ -78,7 +78,7 @@ struct RandomObservations {
  private:
   // Rounds the geometry to float first, so that double and float see the same problem.
   void Store(std::size_t i, RandomPoint point) {
-    Observations& out = observations;
+    observe::Observations& out = observations;
     const auto rounded = [](const Eigen::Vector3d& v) {
       return Eigen::Vector3d(v.cast<float>().cast<double>());
     };

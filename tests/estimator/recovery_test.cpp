@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
-#include "small_scene.h"
+#include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -97,13 +97,13 @@ TEST(RecoveryTest, ErrorsAreWithinFourSigmaOfTheTruth) {
   const Estimate& e = output->estimate;
   ASSERT_EQ(e.lights.size(), 2u);
   for (std::size_t l = 0; l < 2; ++l) {
-    const Light& truth = session->scene.lights[l];
+    const model::Light& truth = session->scene.lights[l];
     const LightEstimate& light = e.lights[l];
     EXPECT_TRUE(light.near);
     EXPECT_LT((light.light.direction - truth.direction).norm(), 4.0 * light.direction_sigma);
     EXPECT_LT(std::abs(light.light.inverse_distance - truth.inverse_distance),
               4.0 * light.inverse_distance_sigma);
-    const Reflectance& r = session->scene.reflectance;
+    const model::Reflectance& r = session->scene.reflectance;
     for (int c = 0; c < 3; ++c)
       EXPECT_LT(std::abs(light.diffuse_product[c] - r.albedo[c] * r.diffuse * truth.intensity),
                 4.0 * light.diffuse_product_sigma[c]);
@@ -124,9 +124,9 @@ TEST(RecoveryTest, AHintOfFiveDegreesOffLeadsToTheSameAnswer) {
   ASSERT_TRUE(session);
   const auto without = EstimateFrom(*session);
   EstimateOptions options;
-  options.initial = InitialGuess{};
-  for (const Light& light : session->scene.lights) {
-    Light off = light;
+  options.initial = model::InitialGuess{};
+  for (const model::Light& light : session->scene.lights) {
+    model::Light off = light;
     off.direction =
         (light.direction + std::tan(DegToRad(5.0)) * light.direction.unitOrthogonal()).normalized();
     off.inverse_distance = 0.0;
@@ -168,12 +168,13 @@ Result<EstimateOutput> RunFilled(float radiance, bool saturated) {
   auto config = NoisyBall(5);
   config.sensor.noise_relative = 0.0;
   const auto session = rig::SynthesizeInMemory(config);
-  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
-  for (Keyframe& keyframe : keyframes) {
+  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  for (model::Keyframe& keyframe : keyframes) {
     keyframe.image.radiance.setTo(cv::Scalar::all(static_cast<double>(radiance)));
     keyframe.image.saturated.setTo(saturated ? 255 : 0);
   }
-  return EstimateScene(keyframes, Geometry(session->target), calib::RayGrid(session->camera), {});
+  return EstimateScene(keyframes, target::Geometry(session->target),
+                       calib::RayGrid(session->camera), {});
 }
 
 TEST(NoAnswerTest, AllBlack) {
@@ -194,10 +195,10 @@ TEST(NoAnswerTest, AllClipped) {
 TEST(NoAnswerTest, TargetOutOfView) {
   auto config = NoisyBall(6);
   const auto session = rig::SynthesizeInMemory(config);
-  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
-  for (Keyframe& keyframe : keyframes) keyframe.X_WT.translation = {0.0, 0.0, 1e5};
-  const auto output =
-      EstimateScene(keyframes, Geometry(session->target), calib::RayGrid(session->camera), {});
+  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  for (model::Keyframe& keyframe : keyframes) keyframe.X_WT.translation = {0.0, 0.0, 1e5};
+  const auto output = EstimateScene(keyframes, target::Geometry(session->target),
+                                    calib::RayGrid(session->camera), {});
   ASSERT_FALSE(output);
   EXPECT_EQ(output.error().kind, ErrorKind::kNoEstimate);
   EXPECT_NE(output.error().text.find("No pixel shows the target"), std::string::npos);

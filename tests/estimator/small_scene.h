@@ -12,7 +12,7 @@ namespace turnlight::estimator {
 
 // Six views all around, no noise.
 inline rig::SyntheticConfig SmallBall(std::vector<rig::LightSpec> lights,
-                                      const Reflectance& reflectance) {
+                                      const model::Reflectance& reflectance) {
   rig::SyntheticConfig config;
   config.motion.frames = 6;
   config.motion.step_deg = 60.0;
@@ -22,8 +22,8 @@ inline rig::SyntheticConfig SmallBall(std::vector<rig::LightSpec> lights,
   return config;
 }
 
-inline Reflectance Glossy(double ambient, double diffuse, double specular) {
-  Reflectance reflectance;
+inline model::Reflectance Glossy(double ambient, double diffuse, double specular) {
+  model::Reflectance reflectance;
   reflectance.albedo = {0.4, 0.6, 0.7};
   reflectance.ambient = ambient;
   reflectance.diffuse = diffuse;
@@ -50,7 +50,7 @@ inline std::vector<rig::LightSpec>& LightsOf(rig::SyntheticConfig& config) {
 
 inline Result<EstimateOutput> EstimateFrom(const rig::SyntheticSession& session,
                                            const EstimateOptions& options = {}) {
-  return EstimateScene(rig::ToKeyframes(session), Geometry(session.target),
+  return EstimateScene(rig::ToKeyframes(session), target::Geometry(session.target),
                        calib::RayGrid(session.camera), options);
 }
 

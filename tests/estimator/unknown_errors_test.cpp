@@ -12,10 +12,11 @@
 
 #include "base/angles.h"
 #include "estimator/estimate.h"
-#include "estimator/shadows.h"
-#include "random_observations.h"
+#include "estimator/solve/prediction.h"
+#include "estimator/solve/shadows.h"
 #include "rig/sim/synthetic_session.h"
-#include "small_scene.h"
+#include "tests/estimator/random_observations.h"
+#include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -60,15 +61,16 @@ calib::MeshShape FloorAndWall() {
 }
 
 TEST(Shadows, FloorBehindAWallIsDarkAsFarAsTheLightIsLow) {
-  const Geometry geometry{calib::TargetShape(FloorAndWall())};
+  const target::Geometry geometry{calib::TargetShape(FloorAndWall())};
   constexpr int kWidth = 101;
-  Observations all;
+  observe::Observations all;
   all.channels = 1;
   all.radius = geometry.radius();
   all.caster = &geometry;
   all.width = kWidth;
   all.X_TW = {calib::Pose()};
-  const std::size_t count = 40 * kWidth, size = (count + kTile - 1) / kTile * kTile;
+  const std::size_t count = 40 * kWidth,
+                    size = (count + observe::kTile - 1) / observe::kTile * observe::kTile;
   for (int k = 0; k < 3; ++k) {
     all.position[k].assign(size, 0.0f);
     all.normal[k].assign(size, k == 2 ? 1.0f : 0.0f);
@@ -78,8 +80,8 @@ TEST(Shadows, FloorBehindAWallIsDarkAsFarAsTheLightIsLow) {
   for (auto& component : all.footprint) component.assign(size, 0);
   for (auto& component : all.step) component.assign(size, 0);
   all.keyframe.assign(size, 0);
-  all.pixel.assign(size, Observations::kNoPixel);
-  all.tile_begin = {0, size / kTile};
+  all.pixel.assign(size, observe::Observations::kNoPixel);
+  all.tile_begin = {0, size / observe::kTile};
   all.used = count;
   const auto y_of = [](std::size_t row) { return 19.5 - static_cast<double>(row); };
   for (std::size_t i = 0; i < count; ++i) {
@@ -89,9 +91,9 @@ TEST(Shadows, FloorBehindAWallIsDarkAsFarAsTheLightIsLow) {
     all.position[1][i] = static_cast<float>(y_of(i / kWidth) / all.radius);
   }
   // From beyond the wall, 45 degrees high: the shadow is as long as the wall is high.
-  Scene scene;
+  model::Scene scene;
   scene.lights = {{Eigen::Vector3d(0, 1, 1).normalized(), 0.0, 1.0, Eigen::Vector3d::Ones()}};
-  const Shadows shadows = CastShadows(all, scene);
+  const solve::Shadows shadows = solve::CastShadows(all, scene);
   ASSERT_EQ(shadows.lit.size(), 1u);
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -103,31 +105,32 @@ TEST(Shadows, FloorBehindAWallIsDarkAsFarAsTheLightIsLow) {
     left_out += edge ? 1 : 0;
   }
   EXPECT_EQ(shadows.left_out, left_out);
-  EXPECT_TRUE(SameShadows(shadows, CastShadows(all, scene)));
+  EXPECT_TRUE(solve::SameShadows(shadows, solve::CastShadows(all, scene)));
 }
 
 TEST(Shadows, KernelLeavesOutWhatIsNotLit) {
-  Scene scene;
+  model::Scene scene;
   scene.lights = {{Eigen::Vector3d(0.2, 0.1, 1).normalized(), 0.1, 1.0, Eigen::Vector3d::Ones()},
                   {Eigen::Vector3d(-0.5, 0.3, 1).normalized(), 0.0, 0.5, Eigen::Vector3d::Ones()}};
   scene.reflectance.ambient = 0.1;
   scene.reflectance.specular = 0.2;
   scene.reflectance.shininess = 10.0;
   const RandomObservations random(700, 3, 5);
-  const Observations& all = random.observations;
-  EvaluateOptions options;
+  const observe::Observations& all = random.observations;
+  solve::EvaluateOptions options;
   for (int l = 0; l < 2; ++l) {
     auto lit = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{1});
     for (std::size_t i = 0; i < lit->size(); ++i) (*lit)[i] = (i + l) % 3 == 0 ? 0 : 1;
     options.shadows.lit.push_back(std::move(lit));
   }
-  const auto model = Predict(all, scene, options);
+  const auto model = solve::Predict(all, scene, options);
   for (std::size_t i = 0; i < random.points.size(); ++i) {
-    LightMask visible = 0;
+    model::LightMask visible = 0;
     for (int l = 0; l < 2; ++l)
-      if ((*options.shadows.lit[static_cast<std::size_t>(l)])[i] != 0) visible |= LightMask{1} << l;
+      if ((*options.shadows.lit[static_cast<std::size_t>(l)])[i] != 0)
+        visible |= model::LightMask{1} << l;
     const RandomPoint& p = random.points[i];
-    const Eigen::Vector3d expected = Shade(scene, p.position, p.normal, p.viewer, visible);
+    const Eigen::Vector3d expected = model::Shade(scene, p.position, p.normal, p.viewer, visible);
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(model[c][i], expected[static_cast<Eigen::Index>(c)], 2e-5) << i;
   }
@@ -140,7 +143,7 @@ TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
   config.motion.frames = 10;
   config.motion.step_deg = 36.0;
   config.camera = {.width = 160, .height = 120, .focal_px = 320.0, .distortion = {}};
-  std::get<Reflectance>(config.reflectance).shininess = 60.0;
+  std::get<model::Reflectance>(config.reflectance).shininess = 60.0;
   LightsOf(config).clear();
   for (int i = 0; i < 8; ++i) {
     const double azimuth = DegToRad(45.0 * i), zenith = DegToRad(i % 2 == 0 ? 25.0 : 60.0);
@@ -163,8 +166,8 @@ TEST(Sigmas, IdenticalViewsTellWhatOneTells) {
   config.motion.frames = 1;
   auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
-  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
-  const Geometry geometry(session->target);
+  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  const target::Geometry geometry(session->target);
   const calib::RayGrid rays(session->camera);
   const auto one = EstimateScene(keyframes, geometry, rays, {});
   ASSERT_TRUE(one) << one.error().text;
@@ -187,13 +190,13 @@ TEST(Levels, DarkPicturesGiveTheSameLights) {
   rig::SyntheticConfig config = SmallScene(0.002);
   const auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
-  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
-  const Geometry geometry(session->target);
+  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  const target::Geometry geometry(session->target);
   const calib::RayGrid rays(session->camera);
   const auto bright = EstimateScene(keyframes, geometry, rays, {});
   ASSERT_TRUE(bright) << bright.error().text;
   const double factor = std::exp2(-20.0);
-  for (Keyframe& keyframe : keyframes) keyframe.image.radiance *= factor;
+  for (model::Keyframe& keyframe : keyframes) keyframe.image.radiance *= factor;
   const auto dark = EstimateScene(keyframes, geometry, rays, {});
   ASSERT_TRUE(dark) << dark.error().text;
   ASSERT_EQ(dark->estimate.lights.size(), 2u);
@@ -262,13 +265,13 @@ TEST(Origin, FarFromTheTargetTheLightsAreWhereTheyWere) {
   const auto expected = EstimateFrom(*session);
   ASSERT_TRUE(expected) << expected.error().text;
   const Eigen::Vector3d shift(3000.0, -2400.0, 3200.0);
-  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
-  for (Keyframe& keyframe : keyframes) {
+  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  for (model::Keyframe& keyframe : keyframes) {
     keyframe.X_WC.translation += shift;
     keyframe.X_WT.translation += shift;
   }
-  const auto output =
-      EstimateScene(keyframes, Geometry(session->target), calib::RayGrid(session->camera), {});
+  const auto output = EstimateScene(keyframes, target::Geometry(session->target),
+                                    calib::RayGrid(session->camera), {});
   ASSERT_TRUE(output) << output.error().text;
   // What is said about W's origin is about another place: the order of the lights may differ.
   Estimate moved = output->estimate;
@@ -290,8 +293,8 @@ TEST(Sigmas, ABoardThatMayBeRoughSaysSo) {
   config.motion.kind = rig::MotionKind::kTable;
   config.motion.tilt_deg = 17.0;
   config.motion.elevation_deg = 49.0;
-  auto& material = std::get<Reflectance>(config.reflectance);
-  material.diffuse_model = DiffuseModel::kOrenNayar;
+  auto& material = std::get<model::Reflectance>(config.reflectance);
+  material.diffuse_model = model::DiffuseModel::kOrenNayar;
   material.roughness = DegToRad(30.0);
   const auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
@@ -299,7 +302,7 @@ TEST(Sigmas, ABoardThatMayBeRoughSaysSo) {
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;
   ASSERT_EQ(e.lights.size(), 1u);
-  EXPECT_EQ(e.reflectance.diffuse_model, DiffuseModel::kLambert);
+  EXPECT_EQ(e.reflectance.diffuse_model, model::DiffuseModel::kLambert);
   EXPECT_NE(std::find(e.weak.begin(), e.weak.end(), "diffuse against roughness: Lambert was taken"),
             e.weak.end());
   for (int c = 0; c < 3; ++c) {
@@ -316,9 +319,9 @@ double WorstInSigmas(const Estimate& e, const rig::SyntheticSession& session) {
   const auto take = [&](double error, double sigma) {
     worst = std::max(worst, std::abs(error) / sigma);
   };
-  const Reflectance& truth = session.scene.reflectance;
+  const model::Reflectance& truth = session.scene.reflectance;
   for (std::size_t i = 0; i < e.lights.size(); ++i) {
-    const Light& light = session.scene.lights[i];
+    const model::Light& light = session.scene.lights[i];
     const LightEstimate& found = e.lights[i];
     take(DegToRad(AngleDeg(found.light.direction, light.direction)), found.direction_sigma);
     take(found.light.inverse_distance - light.inverse_distance, found.inverse_distance_sigma);
@@ -384,9 +387,9 @@ TEST(Sigmas, TotalCoversWhatTheModelLacks) {
   rig::SyntheticConfig config = SmallScene(0.0005);
   const auto session = rig::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
-  std::vector<Keyframe> keyframes = rig::ToKeyframes(*session);
+  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
   // Vignetting that nobody told of: 4 % darker at the picture's corner.
-  for (Keyframe& keyframe : keyframes) {
+  for (model::Keyframe& keyframe : keyframes) {
     cv::Mat& image = keyframe.image.radiance;
     for (int row = 0; row < image.rows; ++row)
       for (int i = 0; i < image.cols * image.channels(); ++i) {
@@ -395,8 +398,8 @@ TEST(Sigmas, TotalCoversWhatTheModelLacks) {
         image.ptr<float>(row)[i] *= static_cast<float>(1.0 - 0.025 * (x * x + y * y));
       }
   }
-  const auto output =
-      EstimateScene(keyframes, Geometry(session->target), calib::RayGrid(session->camera), {});
+  const auto output = EstimateScene(keyframes, target::Geometry(session->target),
+                                    calib::RayGrid(session->camera), {});
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;
   ASSERT_EQ(e.lights.size(), 2u);

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "estimator/renderer.h"
+#include "estimator/target/renderer.h"
 #include "rig/sim/studio.h"
 
 namespace turnlight::nodes {
@@ -20,8 +20,9 @@ cv::Mat3f StaticPicture(const rig::Studio& studio, const rig::Motion& motion, do
   const Eigen::AngleAxisd turn(angle_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
   X_WT.rotation = turn.toRotationMatrix() * start.X_WT.rotation;
   X_WT.translation = turn * start.X_WT.translation;
-  const auto rendering = estimator::Render(studio.scene, studio.geometry, studio.rays, start.X_WC,
-                                           X_WT, {.samples_per_side = studio.samples_per_side});
+  const auto rendering =
+      estimator::target::Render(studio.scene, studio.geometry, studio.rays, start.X_WC, X_WT,
+                                {.samples_per_side = studio.samples_per_side});
   return rendering.radiance * kWhite;
 }
 

@@ -29,7 +29,7 @@ MockCameraConfig Small() {
   config.scene.camera = {40, 30, 75.0, {}};
   config.scene.lights = std::vector<LightSpec>{{{0.5, 0.3, 0.8}, 700.0, 0.5, {1, 1, 1}},
                                                {{0.6, -0.6, 0.5}, {}, 0.3, {1, 1, 1}}};
-  estimator::Reflectance reflectance;
+  estimator::model::Reflectance reflectance;
   reflectance.albedo = {0.9, 0.7, 0.5};
   reflectance.ambient = 0.1;
   reflectance.diffuse = 0.8;

@@ -33,7 +33,7 @@ TEST(RandomScene, KeepsItsPromises) {
     ASSERT_TRUE(scene) << scene.error().text;
     ASSERT_EQ(scene->lights.size(), 8u);
     for (std::size_t i = 0; i < 8; ++i) {
-      const estimator::Light& light = scene->lights[i];
+      const estimator::model::Light& light = scene->lights[i];
       EXPECT_NEAR(light.direction.norm(), 1.0, 1e-14);
       EXPECT_LE(RadToDeg(std::acos(light.direction.z())), 80.0 + 1e-9);
       EXPECT_GE(light.intensity, 0.25);
@@ -48,7 +48,7 @@ TEST(RandomScene, KeepsItsPromises) {
         EXPECT_GE(RadToDeg(std::acos(light.direction.dot(scene->lights[k].direction))),
                   20.0 - 1e-9);
     }
-    const estimator::Reflectance& r = scene->reflectance;
+    const estimator::model::Reflectance& r = scene->reflectance;
     EXPECT_GE(r.shininess, 10.0);
     EXPECT_LE(r.shininess, 100.0);
     EXPECT_GE(r.albedo.minCoeff(), 0.2);
@@ -90,13 +90,13 @@ TEST(RandomScene, ListedLightsAreTakenAsTheyAre) {
 TEST(RandomScene, ModelsAreKept) {
   SyntheticConfig config;
   RandomReflectance random;
-  random.model = estimator::SpecularModel::kNone;
-  random.diffuse_model = estimator::DiffuseModel::kOrenNayar;
+  random.model = estimator::model::SpecularModel::kNone;
+  random.diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
   random.roughness_deg = {20.0, 20.0};
   config.reflectance = random;
   const auto scene = DrawScene(config);
   ASSERT_TRUE(scene);
-  EXPECT_EQ(scene->reflectance.specular_model, estimator::SpecularModel::kNone);
+  EXPECT_EQ(scene->reflectance.specular_model, estimator::model::SpecularModel::kNone);
   EXPECT_EQ(scene->reflectance.specular, 0.0);
   EXPECT_DOUBLE_EQ(scene->reflectance.roughness, DegToRad(20.0));
 }

@@ -40,7 +40,7 @@ TEST(SceneFile, ReadsATruth) {
   EXPECT_EQ(scene->lights[0].color, Eigen::Vector3d::Ones());
   EXPECT_EQ(scene->reflectance.albedo, Eigen::Vector3d(0.2, 0.4, 0.6));
   EXPECT_EQ(scene->reflectance.shininess, 40.0);
-  EXPECT_EQ(scene->reflectance.specular_model, estimator::SpecularModel::kPhong);
+  EXPECT_EQ(scene->reflectance.specular_model, estimator::model::SpecularModel::kPhong);
 }
 
 TEST(SceneFile, NullPositionIsADistantLight) {
@@ -120,7 +120,7 @@ TEST(SceneFile, FreeKeysAreAllowed) {
 }
 
 TEST(SceneFile, TruthRoundTripsToTheSameBits) {
-  estimator::Scene scene;
+  estimator::model::Scene scene;
   scene.lights.push_back({Eigen::Vector3d(0.3, -0.2, 0.7).normalized(), 1.0 / 3.0e3, 0.7,
                           Eigen::Vector3d(1.0, 0.9, 0.8)});
   scene.lights.push_back(
@@ -129,8 +129,8 @@ TEST(SceneFile, TruthRoundTripsToTheSameBits) {
   scene.reflectance.ambient = 0.07;
   scene.reflectance.specular = 0.21;
   scene.reflectance.shininess = 33.3;
-  scene.reflectance.specular_model = estimator::SpecularModel::kBlinnPhong;
-  scene.reflectance.diffuse_model = estimator::DiffuseModel::kOrenNayar;
+  scene.reflectance.specular_model = estimator::model::SpecularModel::kBlinnPhong;
+  scene.reflectance.diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
   scene.reflectance.roughness = DegToRad(20.0);
   const auto back = ParseScene(TruthToJson(scene, "made up"), "t");
   ASSERT_TRUE(back) << back.error().text;
@@ -162,8 +162,8 @@ TEST(SceneFile, ReadsAResultExactly) {
   const auto scene = ParseScene(text, "result.json");
   ASSERT_TRUE(scene) << scene.error().text;
   EXPECT_EQ(scene->lights[0].inverse_distance, 0.002);
-  EXPECT_EQ(scene->reflectance.specular_model, estimator::SpecularModel::kNone);
-  EXPECT_EQ(scene->reflectance.diffuse_model, estimator::DiffuseModel::kOrenNayar);
+  EXPECT_EQ(scene->reflectance.specular_model, estimator::model::SpecularModel::kNone);
+  EXPECT_EQ(scene->reflectance.diffuse_model, estimator::model::DiffuseModel::kOrenNayar);
   EXPECT_DOUBLE_EQ(scene->reflectance.roughness, DegToRad(20.0));
   const auto guess = ParseInitialGuess(text, "result.json");
   ASSERT_TRUE(guess) << guess.error().text;

@@ -62,8 +62,8 @@ TEST(SyntheticConfig, ReadsEveryKey) {
   EXPECT_EQ(lights[0].distance, 500.0);
   EXPECT_EQ(lights[0].color, Eigen::Vector3d(1, 0.9, 0.8));
   EXPECT_FALSE(lights[1].distance);
-  const auto& r = std::get<estimator::Reflectance>(config->reflectance);
-  EXPECT_EQ(r.specular_model, estimator::SpecularModel::kBlinnPhong);
+  const auto& r = std::get<estimator::model::Reflectance>(config->reflectance);
+  EXPECT_EQ(r.specular_model, estimator::model::SpecularModel::kBlinnPhong);
   EXPECT_DOUBLE_EQ(r.roughness, DegToRad(15.0));
   EXPECT_EQ(config->sensor.depth, SensorDepth::k8);
   EXPECT_EQ(config->sensor.Format(), FileFormat::kTiff);

@@ -124,7 +124,7 @@ TEST(SyntheticSession, NoiseHasTheStatedSigma) {
   config.sensor.saturation = 100.0;
   // An even light: the plane's signal is the ambient term, 0.25.
   config.target = calib::PlaneShape{400.0, 400.0, 2};
-  estimator::Reflectance flat;
+  estimator::model::Reflectance flat;
   flat.ambient = 0.25;
   flat.diffuse = 0.0;
   config.reflectance = flat;
@@ -143,7 +143,7 @@ TEST(SyntheticSession, NoiseDiffersFromFrameToFrameAndSeedToSeed) {
   config.motion.step_deg = 0.0;
   config.sensor.noise_relative = 0.01;
   config.lights = std::vector<LightSpec>{{{0, 0, 1}, {}, 1.0, {1, 1, 1}}};
-  config.reflectance = estimator::Reflectance{};
+  config.reflectance = estimator::model::Reflectance{};
   const SyntheticSession a = Make(config);
   EXPECT_FALSE(SameImage(a.frames[0].image, a.frames[1].image));
   config.seed = 2;
@@ -270,7 +270,7 @@ TEST(SyntheticSession, RemarksOnClippingAndEmptyFrames) {
   config.target = calib::PlaneShape{100.0, 80.0, 1};
   config.motion.frames = 1;
   config.lights = std::vector<LightSpec>{{{0, 0, 1}, {}, 5.0, {1, 1, 1}}};
-  config.reflectance = estimator::Reflectance{};
+  config.reflectance = estimator::model::Reflectance{};
   {
     const TemporaryFolder folder;
     const auto report = WriteSynthetic(config, folder.path());

@@ -1,0 +1,128 @@
+#include "estimator/baseline/paper_estimate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/format.h"
+#include "estimator/notes.h"
+#include "estimator/observe/intensity_map.h"
+#include "estimator/observe/observed_scene.h"
+#include "estimator/observe/radiance_statistics.h"
+#include "estimator/observe/views.h"
+#include "estimator/residual_maps.h"
+#include "estimator/solve/coordinates.h"
+
+namespace turnlight::estimator::baseline {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+const Eigen::Vector3d kUnknownColor = Eigen::Vector3d::Constant(kUnknown);
+
+LightEstimate MakeLight(const model::Light& light, const observe::Observations& observations,
+                        const model::Reflectance& reflectance) {
+  LightEstimate out;
+  out.light = light;
+  out.near = true;
+  out.direction_sigma = out.inverse_distance_sigma = kUnknown;
+  out.distance = 1.0 / light.inverse_distance;
+  out.position = light.direction / light.inverse_distance;
+  out.direction_at_reference = (*out.position - observations.reference).normalized();
+  out.diffuse_product = light.intensity * reflectance.diffuse * reflectance.albedo;
+  out.diffuse_product_sigma = kUnknownColor;
+  out.specular_product = light.intensity * reflectance.specular;
+  out.specular_product_sigma = kUnknown;
+  return out;
+}
+
+std::string CountText(const PaperSolution& solution) {
+  std::size_t cells = 0;
+  for (const PaperCluster& cluster : solution.clusters) cells += cluster.cells;
+  return std::to_string(solution.clusters.size()) + " clusters of " + std::to_string(cells) +
+         " cells of the intensity map that are at or above half of its range";
+}
+
+void AddPaperNotes(const PaperOptions& options, Estimate& out) {
+  out.notes.push_back(
+      {"distance-brightness-equivalent",
+       std::string("The paper's lights have no intensity of their own: each is taken to be as "
+                   "bright as one that gives the irradiance 1 from the distance ") +
+           Format("%.6g", options.ceiling_distance) +
+           " (--ceiling-distance, in the session's unit). Distances and positions are those of "
+           "such a light, not metric."});
+  out.notes.push_back({"sigma-none",
+                       "The paper's method states no uncertainty: sigmas, distance_min and "
+                       "identifiability/condition are null. Directions are those of the intensity "
+                       "map's clusters and are not refined."});
+  if (out.channels == 1)
+    out.notes.push_back(
+        {"grey", "The pictures are grey: albedo and products repeat one value for R, G and B."});
+  if (out.stopped == solve::Stopped::kIterationLimit)
+    out.notes.push_back({"not-converged", "The descent reached its limit of iterations."});
+}
+
+double Seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Lights, reflectance, residuals, decisions and notes.
+void FillFromPaper(const observe::Observations& observations, const PaperSolution& solution,
+                   const PaperOptions& options, Estimate& out) {
+  const model::Scene world = solve::ToWorld(solution.scene, observations);
+  out.reflectance = world.reflectance;
+  out.reference_point = observations.reference;
+  out.channels = observations.channels;
+  for (const model::Light& light : world.lights)
+    out.lights.push_back(MakeLight(light, observations, world.reflectance));
+  std::stable_sort(out.lights.begin(), out.lights.end(),
+                   [](const LightEstimate& a, const LightEstimate& b) {
+                     return a.light.intensity > b.light.intensity;
+                   });
+  out.ambient_product = world.reflectance.ambient * world.reflectance.albedo;
+  out.ambient_product_sigma = kUnknownColor;
+  out.sigma.albedo = kUnknownColor;
+  out.sigma.ambient = out.sigma.diffuse = out.sigma.specular = kUnknown;
+  out.has_sigmas = false;
+  out.condition = kUnknown;
+  out.ladder.push_back({"lights", true, CountText(solution)});
+  for (const double cost : solution.descent.cost_history)
+    out.history.push_back({static_cast<int>(out.history.size()), std::sqrt(cost)});
+  out.initial_rms = out.history.front().rms;
+  out.rms = out.history.back().rms;
+  out.pixels = observations.used;
+  out.iterations = solution.descent.iterations;
+  out.stopped =
+      solution.descent.converged ? solve::Stopped::kTolerance : solve::Stopped::kIterationLimit;
+  AddPaperNotes(options, out);
+}
+
+}  // namespace
+
+Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyframes,
+                                       const target::Geometry& geometry, const calib::RayGrid& rays,
+                                       const PaperOptions& options) {
+  const double begin = Seconds();
+  const auto observed = observe::ObserveScene(keyframes, geometry, rays);
+  if (!observed) return Forward(observed);
+  const observe::Observations& all = observed->pixels;
+  EstimateOutput out;
+  out.map = observe::MakeIntensityMap(all);
+  const double mapped = Seconds();
+  const auto solution = SolveByPaper(all, out.map, options);
+  if (!solution) return Forward(solution);
+  Estimate& estimate = out.estimate;
+  FillFromPaper(all, *solution, options, estimate);
+  estimate.views = static_cast<int>(keyframes.size());
+  estimate.distinct_views =
+      observe::DistinctViews(observed->signatures, observe::EstimateNoise(all));
+  AddViewsNote(estimate);
+  AddOutliersNote(observed->counts, estimate);
+  estimate.initial_s = mapped - begin;
+  estimate.solve_s = Seconds() - mapped;
+  out.residuals = ResidualMaps(all, solution->scene, {}, {rays.width(), rays.height()});
+  return out;
+}
+
+}  // namespace turnlight::estimator::baseline

@@ -1,0 +1,103 @@
+#include "estimator/observe/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+
+namespace turnlight::estimator::observe {
+namespace {
+
+// How much a pixel tells: its difference from its neighbours in the row, in grey.
+std::vector<float> RowGradient(const Observations& all) {
+  std::vector<float> gradient(all.size(), 0.0f);
+  const auto grey = [&](std::size_t i) {
+    float sum = 0.0f;
+    for (int c = 0; c < all.channels; ++c) sum += all.radiance[c][i];
+    return sum / static_cast<float>(all.channels);
+  };
+  for (std::size_t i = 1; i + 1 < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel && all.pixel[i - 1] + 1 == all.pixel[i] &&
+        all.pixel[i] + 1 == all.pixel[i + 1])
+      gradient[i] = std::abs(grey(i + 1) - grey(i - 1));
+  return gradient;
+}
+
+template <typename T>
+void Gather(const std::vector<T>& from, const std::vector<std::size_t>& picked,
+            std::vector<T>& to) {
+  for (std::size_t i = 0; i < picked.size(); ++i) to[i] = from[picked[i]];
+}
+
+// The pixels at these places, in one run of tiles.
+Observations Picked(const Observations& all, const std::vector<std::size_t>& picked) {
+  Observations out;
+  out.channels = all.channels;
+  out.reference = all.reference;
+  out.radius = all.radius;
+  out.caster = all.caster;
+  out.width = all.width;
+  out.X_TW = all.X_TW;
+  out.subsampled = true;
+  out.used = picked.size();
+  out.tile_begin.push_back((picked.size() + kTile - 1) / kTile);
+  out.Resize(out.tile_begin.back() * kTile);
+  for (int k = 0; k < 3; ++k) {
+    Gather(all.position[k], picked, out.position[k]);
+    Gather(all.normal[k], picked, out.normal[k]);
+    Gather(all.mirrored[k], picked, out.mirrored[k]);
+    if (k < all.channels) Gather(all.radiance[k], picked, out.radiance[k]);
+  }
+  for (int k = 0; k < 6; ++k) {
+    Gather(all.footprint[k], picked, out.footprint[k]);
+    Gather(all.step[k], picked, out.step[k]);
+  }
+  Gather(all.pixel, picked, out.pixel);
+  if (out.caster != nullptr) {
+    for (int k = 0; k < 3; ++k) Gather(all.face_normal[k], picked, out.face_normal[k]);
+    Gather(all.keyframe, picked, out.keyframe);
+  }
+  for (std::size_t i = 0; i < picked.size(); ++i)
+    out.tile_footprint[i / kTile] =
+        std::max(out.tile_footprint[i / kTile], all.tile_footprint[picked[i] / kTile]);
+  return out;
+}
+
+}  // namespace
+
+Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed) {
+  const std::vector<float> gradient = RowGradient(all);
+  double mean = 0.0;
+  for (const float value : gradient) mean += value;
+  mean = std::max(mean / static_cast<double>(std::max<std::size_t>(all.used, 1)), 1e-12);
+  const auto weight = [&](std::size_t i) {
+    return 0.5 + 0.5 * std::min(static_cast<double>(gradient[i]) / mean, 20.0);
+  };
+  double total = 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel) total += weight(i);
+  const RandomStream random(seed, 0);
+  std::vector<std::size_t> picked;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel &&
+        random.Uniform(i) * total < weight(i) * static_cast<double>(count))
+      picked.push_back(i);
+  return Picked(all, picked);
+}
+
+Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
+                           const std::vector<std::uint8_t>* usable) {
+  const auto used = [&](std::size_t i) {
+    return all.pixel[i] != Observations::kNoPixel && (usable == nullptr || (*usable)[i] != 0);
+  };
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) total += used(i) ? 1 : 0;
+  const RandomStream random(seed, 0);
+  std::vector<std::size_t> picked;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i) && random.Uniform(i) * static_cast<double>(total) < static_cast<double>(count))
+      picked.push_back(i);
+  return Picked(all, picked);
+}
+
+}  // namespace turnlight::estimator::observe

@@ -1,0 +1,214 @@
+#include "estimator/pictures/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "base/plot/canvas.h"
+#include "estimator/pictures/picture_sphere.h"
+#include "estimator/pictures/picture_view.h"
+#include "estimator/pictures/plots.h"
+#include "estimator/target/renderer.h"
+
+namespace turnlight::estimator::pictures {
+namespace {
+
+constexpr std::size_t kMaxKeyframes = 6;
+constexpr int kMinPanelWidth = 480;
+constexpr int kMaxPanelWidth = 960;
+
+// The same lens on pixels `factor` times as wide; what does not fill a whole pixel at the right and
+// bottom is left out. Every lens model of mrcal begins with fx, fy, cx, cy.
+std::optional<calib::CameraModel> Reduced(const calib::CameraModel& camera, int factor) {
+  if (factor == 1) return camera;
+  std::vector<double> intrinsics = camera.intrinsics();
+  for (int i = 0; i < 4; ++i) intrinsics[i] /= factor;
+  for (int i = 2; i < 4; ++i) intrinsics[i] += 0.5 / factor - 0.5;
+  std::string numbers;
+  for (const double value : intrinsics) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g,", value);
+    numbers += text;
+  }
+  const auto model = calib::CameraModel::FromString(
+      "{'lensmodel': '" + camera.lens_model() + "', 'extrinsics': [0,0,0,0,0,0], 'intrinsics': [" +
+          numbers + "], 'imagersize': [" + std::to_string(camera.width() / factor) + "," +
+          std::to_string(camera.height() / factor) + "]}",
+      "reduced camera");
+  return model ? std::optional(*model) : std::nullopt;
+}
+
+// The mean of each block of factor^2 values that are finite; `none` where there is none.
+template <int kChannels>
+cv::Mat ReducedMap(const cv::Mat& map, int factor, float none) {
+  using Value = cv::Vec<float, kChannels>;
+  cv::Mat result(map.rows / factor, map.cols / factor, map.type());
+  for (int row = 0; row < result.rows; ++row) {
+    for (int column = 0; column < result.cols; ++column) {
+      for (int c = 0; c < kChannels; ++c) {
+        double sum = 0.0;
+        int count = 0;
+        for (int y = row * factor; y < (row + 1) * factor; ++y) {
+          for (int x = column * factor; x < (column + 1) * factor; ++x) {
+            const float value = map.at<Value>(y, x)[c];
+            if (!std::isfinite(value)) continue;
+            sum += value;
+            ++count;
+          }
+        }
+        result.at<Value>(row, column)[c] = count > 0 ? static_cast<float>(sum / count) : none;
+      }
+    }
+  }
+  return result;
+}
+
+// A keyframe's picture in three channels at the size it is shown from; pixels that are not finite
+// are black.
+cv::Mat3f ColorPicture(const cv::Mat& radiance, int reduce) {
+  cv::Mat color = radiance;
+  if (radiance.channels() == 1) cv::cvtColor(radiance, color, cv::COLOR_GRAY2RGB);
+  return ReducedMap<3>(color, reduce, 0.0f);
+}
+
+// A block is target if any of it is.
+cv::Mat1b ReducedMask(const cv::Mat1b& mask, int factor) {
+  cv::Mat1b result(mask.rows / factor, mask.cols / factor);
+  for (int row = 0; row < result.rows; ++row)
+    for (int column = 0; column < result.cols; ++column)
+      result(row, column) =
+          cv::countNonZero(mask({column * factor, row * factor, factor, factor})) > 0 ? 255 : 0;
+  return result;
+}
+
+std::string NumberedName(const char* stem, std::size_t keyframe) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%s_%03zu.png", stem, keyframe);
+  return text;
+}
+
+struct Panels {
+  cv::Mat3f original, relit, sphere;
+  cv::Mat1f coverage;
+};
+
+Panels MakePanels(const PictureView& view, const VirtualSphere& sphere, const cv::Mat3f& original,
+                  const cv::Mat1b& mask) {
+  const target::Rendering rendering =
+      target::Render(view.scene, view.geometry, view.rays, view.X_WC, view.X_WT,
+                     {.samples_per_side = view.samples_per_side, .cast_shadows = true});
+  return {original, Relit(TakeApart(original, rendering.coverage, mask), rendering.radiance),
+          InsertSphere(original, TakeApart(original, rendering.coverage), view, sphere),
+          rendering.coverage};
+}
+
+// One exposure for all: the 99.5 percentile of the brightest channel on the target at 0.9.
+double CommonExposure(const std::vector<Panels>& panels) {
+  std::vector<float> on_target, anywhere;
+  for (const Panels& panel : panels) {
+    for (int row = 0; row < panel.original.rows; ++row) {
+      for (int column = 0; column < panel.original.cols; ++column) {
+        const cv::Vec3f& pixel = panel.original(row, column);
+        const float brightest = std::max({pixel[0], pixel[1], pixel[2]});
+        anywhere.push_back(brightest);
+        if (panel.coverage(row, column) > 0.5f) on_target.push_back(brightest);
+      }
+    }
+  }
+  const double level =
+      plot::Percentile(on_target.empty() ? std::move(anywhere) : std::move(on_target), 0.995);
+  return level > 0.0 ? 0.9 / level : 1.0;
+}
+
+cv::Mat3b ComparisonPicture(const Panels& panels, double exposure, int enlarge,
+                            std::size_t keyframe) {
+  constexpr int kTop = 44, kGap = 16;
+  const int width = panels.original.cols * enlarge, height = panels.original.rows * enlarge;
+  cv::Mat3b page =
+      plot::Page(3 * width + 2 * kGap + 2 * plot::kMargin, height + kTop + plot::kMargin);
+  const std::pair<std::string, const cv::Mat3f*> parts[] = {
+      {"Original, keyframe " + std::to_string(keyframe), &panels.original},
+      {"Relit by the estimate", &panels.relit},
+      {"Virtual sphere of the estimated material", &panels.sphere}};
+  int x = plot::kMargin;
+  for (const auto& [caption, radiance] : parts) {
+    plot::DrawText(page, caption, {double(x), 0.5 * kTop}, plot::kCaption, plot::Align::kLeft);
+    plot::Place(page, plot::ToDisplay(*radiance, exposure, enlarge), {x, kTop});
+    x += width + kGap;
+  }
+  return page;
+}
+
+std::vector<std::size_t> ShownKeyframes(std::size_t count) {
+  const std::size_t shown = std::min(count, kMaxKeyframes);
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < shown; ++i) result.push_back(i * count / shown);
+  return result;
+}
+
+void AddComparisons(const std::vector<model::Keyframe>& keyframes,
+                    const std::vector<std::size_t>& shown, const target::Geometry& geometry,
+                    const calib::CameraModel& camera, const model::Scene& scene, int reduce,
+                    int enlarge, std::vector<NamedPicture>& pictures) {
+  const calib::RayGrid rays(camera);
+  const int samples = enlarge > 1 ? 6 : 4;  // enlarging shows the steps of an edge
+  std::vector<PictureView> views;
+  views.reserve(shown.size());
+  for (const std::size_t i : shown)
+    views.push_back({scene, geometry, camera, rays, keyframes[i].X_WC, keyframes[i].X_WT, samples});
+  const std::vector<VirtualSphere> spheres = PlaceSpheres(views);
+  std::vector<Panels> panels;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const model::Keyframe& keyframe = keyframes[shown[i]];
+    panels.push_back(MakePanels(views[i], spheres[i], ColorPicture(keyframe.image.radiance, reduce),
+                                ReducedMask(keyframe.mask, reduce)));
+  }
+  const double exposure = CommonExposure(panels);
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    pictures.push_back({NumberedName("comparison", shown[i]),
+                        ComparisonPicture(panels[i], exposure, enlarge, shown[i])});
+}
+
+void AddResiduals(const std::vector<cv::Mat1f>& residuals, const std::vector<std::size_t>& shown,
+                  int reduce, int enlarge, std::vector<NamedPicture>& pictures) {
+  std::vector<std::size_t> numbers;
+  std::vector<cv::Mat1f> maps;
+  for (const std::size_t i : shown) {
+    if (i >= residuals.size() || residuals[i].empty()) continue;
+    numbers.push_back(i);
+    maps.push_back(ReducedMap<1>(residuals[i], reduce, std::numeric_limits<float>::quiet_NaN()));
+  }
+  const double range = ResidualRange(maps);
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    pictures.push_back(
+        {NumberedName("residual", numbers[i]),
+         ResidualPicture(maps[i], range, enlarge,
+                         "Observed minus model, keyframe " + std::to_string(numbers[i]))});
+}
+
+}  // namespace
+
+std::vector<NamedPicture> MakePictures(const std::vector<model::Keyframe>& keyframes,
+                                       const target::Geometry& geometry,
+                                       const calib::CameraModel& camera,
+                                       const EstimateOutput& output) {
+  std::vector<NamedPicture> pictures;
+  const int reduce = (camera.width() + kMaxPanelWidth - 1) / kMaxPanelWidth;
+  const int width = camera.width() / reduce;
+  const int enlarge = (kMinPanelWidth + width - 1) / width;
+  const std::vector<std::size_t> shown = ShownKeyframes(keyframes.size());
+  const auto shown_camera = Reduced(camera, reduce);
+  if (!shown.empty() && shown_camera)
+    AddComparisons(keyframes, shown, geometry, *shown_camera, output.estimate.ToScene(), reduce,
+                   enlarge, pictures);
+  AddResiduals(output.residuals, shown, reduce, enlarge, pictures);
+  if (!output.map.intensity.empty())
+    pictures.push_back({"intensity_map.png", IntensityPicture(output.map, output.estimate.lights)});
+  if (!output.estimate.history.empty())
+    pictures.push_back({"convergence.png", ConvergencePicture(output.estimate.history)});
+  return pictures;
+}
+
+}  // namespace turnlight::estimator::pictures

@@ -1,0 +1,39 @@
+// The pictures that an estimate is judged by with the eye. Values in, values out: no files.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "calib/camera_model.h"
+#include "estimator/estimate.h"
+#include "estimator/model/keyframe.h"
+#include "estimator/target/geometry.h"
+
+namespace turnlight::estimator::pictures {
+
+struct NamedPicture {
+  std::string name;  // a file name, such as "comparison_000.png"
+  cv::Mat3b image;   // R, G, B
+};
+
+// For at most six keyframes, number floor(i F / 6), NNN being the keyframe's number:
+//   comparison_NNN.png  original | relit | virtual sphere of the estimated material in the scene
+//   residual_NNN.png    observed minus model, grey
+// and once:
+//   intensity_map.png   intensity by reflected direction with the lights found
+//   convergence.png     residual rms by iteration
+// A picture that has nothing to show (no keyframes, no history, an empty map) is left out.
+//
+// Tone: linear radiance to sRGB, one exposure for all panels of all keyframes: the 99.5 percentile
+// of the brightest channel on the target is shown at 0.9 of white.
+// Size: pictures less than 480 pixels wide are enlarged by a whole factor, those of more than 960
+// are reduced by one, originals and models alike.
+//
+// The keyframes' pictures have the camera's size. Deterministic for any number of threads.
+std::vector<NamedPicture> MakePictures(const std::vector<model::Keyframe>& keyframes,
+                                       const target::Geometry& geometry,
+                                       const calib::CameraModel& camera,
+                                       const EstimateOutput& output);
+
+}  // namespace turnlight::estimator::pictures

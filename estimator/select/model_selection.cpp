@@ -1,0 +1,170 @@
+#include "estimator/select/model_selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/format.h"
+#include "base/statistics.h"
+#include "estimator/solve/prediction.h"
+#include "estimator/solve/settled_solve.h"
+#include "estimator/uncertainty/reported.h"
+#include "estimator/uncertainty/uncertainty.h"
+
+namespace turnlight::estimator::select {
+namespace {
+
+constexpr double kMinSpecularPeak = 0.003;    // of white
+constexpr double kMinInverseDistance = 5e-4;  // rho R
+constexpr double kSignificance = 3.0;
+constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
+constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
+
+// The median absolute residual as a sigma.
+double RobustSigma(const observe::Observations& all, const model::Scene& scene,
+                   const solve::EvaluateOptions& options) {
+  const auto model = solve::Predict(all, scene, options);
+  const solve::Plane& usable = options.shadows.usable;
+  std::vector<float> residuals;
+  residuals.reserve(all.used * static_cast<std::size_t>(all.channels));
+  for (int c = 0; c < all.channels; ++c)
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0))
+        residuals.push_back(std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
+  return static_cast<double>(Median(residuals)) / kMedianOfNormal;
+}
+
+double Rms(const observe::Observations& all, const solve::Solution& solution) {
+  return std::sqrt(2.0 * solution.equations.cost / solve::ValueCount(all, solution.evaluate));
+}
+
+constexpr int kRounds = 3;  // of footprints and shadows
+
+// Solves on from the scene and with the options of `out`; its splits are then out of date.
+void SolveOn(const observe::Observations& observations, Refined& out) {
+  out.solution = solve::SolveSettled(observations, out.solution.scene, out.options, kRounds,
+                                     out.solution.evaluate.shadows);
+  out.options.evaluate = out.solution.evaluate;
+  out.iterations += out.solution.iterations;
+  // A solve begins where the last one ended.
+  const std::vector<double>& costs = out.solution.cost_history;
+  out.cost_history.insert(out.cost_history.end(),
+                          costs.begin() + (out.cost_history.empty() ? 0 : 1), costs.end());
+}
+
+// Where the residual is mere noise, squares are the best there is. Where it is more, what is left
+// is texture, dirt, or what the model lacks, and large residuals say little about the lights.
+void ChooseLoss(const observe::Observations& observations, double noise, Refined& out,
+                std::vector<model::Rung>& ladder) {
+  const double rms = Rms(observations, out.solution);
+  const bool robust = rms > kBeyondNoise * noise;
+  ladder.push_back(
+      {"robust-loss", robust,
+       Format("residual rms %.3g, noise %.3g; from %.1f times the noise on, large residuals "
+              "are given less weight",
+              rms, noise, kBeyondNoise)});
+  if (!robust) return;
+  const double sigma = RobustSigma(observations, out.solution.scene, out.options.evaluate);
+  out.options.evaluate.huber = std::max(kHuberSigmas * sigma, 1e-6);
+  SolveOn(observations, out);
+}
+
+void ChooseSpecular(const observe::Observations& observations, Refined& out,
+                    std::vector<model::Rung>& ladder) {
+  const model::Scene& scene = out.solution.scene;
+  if (scene.reflectance.specular_model == model::SpecularModel::kNone) return;
+  const auto order = uncertainty::StrengthOrder(scene, observations);
+  // The statistical sigma: a highlight that the model describes badly is a highlight nevertheless.
+  const uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
+      out.solution, observations, order, out.views_per_distinct, out.splits);
+  const uncertainty::Uncertainty& sigma = sigmas.stat;
+  const uncertainty::Reported reported = uncertainty::Report(scene, observations, order);
+  // The highlight as it is at the target, wherever W's origin is.
+  double strongest = 0.0;
+  for (const model::Light& light : scene.lights) strongest = std::max(strongest, light.intensity);
+  const double peak = scene.reflectance.specular * strongest;
+  const double relative =
+      sigma.lights.empty() || !(reported.lights.front().specular_product > 0.0)
+          ? 1.0
+          : sigma.lights.front().specular_product / reported.lights.front().specular_product;
+  const double own = relative * peak;
+  const bool known = std::isfinite(sigma.shininess);
+  const bool matters = known && peak >= kMinSpecularPeak && peak > kSignificance * own;
+  ladder.push_back(
+      {"specular", matters,
+       Format("the strongest highlight is %.3g of white with sigma %.2g; it counts from "
+              "%.3g and 3 sigma",
+              peak, own, kMinSpecularPeak) +
+           (known ? "" : ", and its width cannot be told")});
+  if (matters) return;
+  const auto product = [&](const uncertainty::Uncertainty& of) {
+    return of.lights.empty() ? own : of.lights.front().specular_product;
+  };
+  out.specular_sigma = product(sigmas.total);
+  out.specular_sigma_stat = product(sigmas.stat);
+  out.solution.scene.reflectance.specular_model = model::SpecularModel::kNone;
+  out.solution.scene.reflectance.specular = 0.0;
+  SolveOn(observations, out);
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+}
+
+// A light is near if its inverse distance about the reference, in 1/R, says so.
+void ChooseDistances(const observe::Observations& observations, const model::ModelChoice& choice,
+                     Refined& out, std::vector<model::Rung>& ladder) {
+  const std::size_t lights = out.solution.scene.lights.size();
+  std::vector<std::size_t> own_order(lights);
+  for (std::size_t l = 0; l < lights; ++l) own_order[l] = l;
+  const uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
+      out.solution, observations, own_order, out.views_per_distinct, out.splits);
+  const uncertainty::Uncertainty& sigma = sigmas.total;
+  const uncertainty::Reported reported =
+      uncertainty::Report(out.solution.scene, observations, own_order);
+  out.near.assign(lights, false);
+  bool refit = false;
+  for (std::size_t l = 0; l < lights; ++l) {
+    // About W's origin, for the reader; the decision is about the target, wherever the origin is.
+    out.inverse_distance.push_back(reported.lights[l].light.inverse_distance);
+    out.inverse_distance_sigma.push_back(sigma.lights[l].inverse_distance);
+    out.inverse_distance_sigma_stat.push_back(sigmas.stat.lights[l].inverse_distance);
+    const double rho = out.solution.scene.lights[l].inverse_distance;
+    const double own = sigma.lights[l].inverse_distance_at_reference;
+    // Asked for or not: a light that the fit put at infinity has no distance.
+    out.near[l] = choice.near ? *choice.near && rho > 0.0
+                              : rho >= kMinInverseDistance && rho > kSignificance * own;
+    if (!out.near[l] && rho > 0.0) refit = true;
+    ladder.push_back(
+        {"near light " + std::to_string(l + 1), out.near[l],
+         Format("radius over distance is %.3g with sigma %.2g; ", rho, own) +
+             (choice.near ? "as asked for"
+                          : Format("it counts from %.3g and 3 sigma", kMinInverseDistance))});
+  }
+  if (!refit) return;
+  out.options.fixed_distance.assign(lights, false);
+  for (std::size_t l = 0; l < lights; ++l)
+    if (!out.near[l]) {
+      out.options.fixed_distance[l] = true;
+      out.solution.scene.lights[l].inverse_distance = 0.0;
+    }
+  SolveOn(observations, out);
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+}
+
+}  // namespace
+
+Refined Refine(const observe::Observations& observations, const model::Scene& start, double noise,
+               double views_per_distinct, const model::ModelChoice& choice,
+               std::vector<model::Rung>& ladder) {
+  Refined out;
+  out.views_per_distinct = views_per_distinct;
+  out.solution.scene = start;
+  SolveOn(observations, out);
+  ChooseLoss(observations, noise, out, ladder);
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+  if (choice.specular)
+    ladder.push_back({"specular", *choice.specular != model::SpecularModel::kNone, "as asked for"});
+  else
+    ChooseSpecular(observations, out, ladder);
+  ChooseDistances(observations, choice, out, ladder);
+  return out;
+}
+
+}  // namespace turnlight::estimator::select

@@ -1,0 +1,454 @@
+// The tile kernel itself, in any precision. Included by its variants only (see lanes.h).
+#pragma once
+
+#include "estimator/solve/kernel/lanes.h"
+
+namespace turnlight::estimator::solve::kernel {
+namespace {
+
+// One block of sixteen pixels.
+template <typename Real>
+struct Block {
+  using V = typename Lanes<Real>::V;
+  Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv, dx_du, dx_dv;
+  V viewer_cosine;
+  V radiance[3];
+  V valid;  // 1, or 0 for filling and what is left out
+  const std::uint8_t* const* lit;
+  std::size_t at;
+};
+
+template <typename Real>
+TURNLIGHT_INLINE Vector3<Real> LoadVector(const float* const* from, std::size_t at) {
+  return {LoadFloats(from[0] + at, Real{}), LoadFloats(from[1] + at, Real{}),
+          LoadFloats(from[2] + at, Real{})};
+}
+
+template <typename Real>
+TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPixels& pixels,
+                                       std::size_t at, int samples) {
+  Block<Real> block;
+  block.position = LoadVector<Real>(pixels.position, at);
+  block.normal = LoadVector<Real>(pixels.normal, at);
+  block.mirrored = LoadVector<Real>(pixels.mirrored, at);
+  block.viewer_cosine = block.normal.Dot(block.mirrored);
+  block.viewer = block.normal * (Real(2) * block.viewer_cosine) - block.mirrored;
+  for (int c = 0; c < model.channels; ++c)
+    block.radiance[c] = LoadFloats(pixels.radiance[c] + at, Real{});
+  for (int i = 0; i < kLanes; ++i)
+    block.valid[i] =
+        pixels.pixel[at + static_cast<std::size_t>(i)] == 0xFFFFFFFFu ? Real(0) : Real(1);
+  if (pixels.usable) block.valid *= LoadBytes<Real>(pixels.usable + at);
+  block.lit = pixels.lit;
+  block.at = at;
+  if (samples > 1) {
+    const auto f = [&](int k) { return LoadBFloat16<Real>(pixels.footprint[k] + at); };
+    block.dw_du = {f(0), f(1), f(2)};
+    block.dw_dv = {f(3), f(4), f(5)};
+    const auto g = [&](int k) { return LoadBFloat16<Real>(pixels.step[k] + at); };
+    block.dx_du = {g(0), g(1), g(2)};
+    block.dx_dv = {g(3), g(4), g(5)};
+  }
+  return block;
+}
+
+// A reflectance term f of the unit direction l towards a light, with its gradient by l (not
+// projected on the sphere) and its derivatives by the model's own parameters and by the parallax
+// within the pixel.
+template <typename Real>
+struct Term {
+  typename Lanes<Real>::V value, by_parameter;
+  Vector3<Real> gradient;
+  typename Lanes<Real>::V by_parallax;
+};
+
+template <typename Real>
+TURNLIGHT_INLINE Term<Real> Diffuse(const KernelModel& model, const Block<Real>& block,
+                                    const Vector3<Real>& l, typename Lanes<Real>::V nl) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0);
+  if (!model.oren_nayar) return {nl, zero, block.normal, zero};
+  const V a = L::Splat(model.oren_nayar_a), b = L::Splat(model.oren_nayar_b);
+  const V nv = block.viewer_cosine;
+  const V projected = l.Dot(block.viewer) - nl * nv;
+  const V larger = L::Max(L::Max(nl, nv), L::Splat(1e-6));
+  const V s = L::Max(projected, zero) / larger;
+  const V ds_dprojected = projected > zero ? Real(1) / larger : zero;
+  const V ds_dlarger = nl > nv ? -s / larger : zero;
+  Term<Real> term;
+  term.value = nl * (a + b * s);
+  term.by_parameter = nl * (L::Splat(model.oren_nayar_da) + L::Splat(model.oren_nayar_db) * s);
+  const V by_nl = a + b * s + b * nl * (ds_dlarger - nv * ds_dprojected);
+  term.gradient = block.normal * by_nl + block.viewer * (b * nl * ds_dprojected);
+  return term;
+}
+
+// The specular term, its mean over samples x samples points of the pixel's footprint. The footprint
+// moves the mirrored ray w; for Blinn-Phong the normal is the one that mirrors the view into it. It
+// also moves the point itself, and so the direction of a near light the other way, by `parallax`
+// (inverse distance over |L|) times the step: for Phong that is as if w moved on by as much.
+template <typename Real>
+TURNLIGHT_INLINE Term<Real> SpecularMean(const KernelModel& model, const Block<Real>& block,
+                                         const Vector3<Real>& l, typename Lanes<Real>::V parallax,
+                                         int samples) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0), n = L::Splat(model.shininess);
+  Term<Real> mean{zero, zero, {zero, zero, zero}, zero};
+  const bool phong = model.specular_model == Specular::kPhong;
+  V inverse_half_norm = zero;
+  Vector3<Real> half = l;
+  if (!phong) {
+    half = l + block.viewer;
+    inverse_half_norm = Real(1) / L::Sqrt(L::Max(half.Dot(half), L::Splat(1e-12)));
+    half = half * inverse_half_norm;
+  }
+  for (int j = 0; j < samples; ++j) {
+    for (int i = 0; i < samples; ++i) {
+      // axis: what the lobe is measured against; w for Phong, the normal for Blinn-Phong.
+      Vector3<Real> axis = phong ? block.mirrored : block.normal;
+      Vector3<Real> step{zero, zero, zero};
+      if (samples > 1) {
+        const V du = L::Splat(model.node[samples][i]), dv = L::Splat(model.node[samples][j]);
+        axis = block.mirrored + block.dw_du * du + block.dw_dv * dv;
+        if (phong) {
+          step = block.dx_du * du + block.dx_dv * dv;
+          axis = axis + step * parallax;
+        }
+        const V norm = axis.InverseNorm();
+        axis = axis * norm;
+        step = step * norm;
+        if (!phong) {
+          axis = axis + block.viewer;
+          axis = axis * (Real(1) / L::Sqrt(L::Max(axis.Dot(axis), L::Splat(1e-12))));
+        }
+      }
+      const Vector3<Real> chord = half - axis;
+      const V c = Real(0.5) * chord.Dot(chord);
+      const V t = L::Max(Real(1) - c, L::Splat(1e-6));
+      const V logarithm = LogOneMinus(L::Min(c, L::Splat(1.0 - 1e-6)));
+      const V weight = L::Splat(model.weight[samples][i] * model.weight[samples][j]);
+      const V power = Real(1) - c > zero ? weight * ExpNegative(n * logarithm) : zero;
+      mean.value += power;
+      mean.by_parameter += power * logarithm;
+      const V slope = n * power / t;
+      mean.gradient =
+          mean.gradient + (phong ? axis * slope : (axis - half * t) * (slope * inverse_half_norm));
+      if (samples > 1)
+        mean.by_parallax += slope * (half.Dot(step) - half.Dot(axis) * axis.Dot(step));
+    }
+  }
+  return mean;
+}
+
+// Whether the lobe reaches any pixel of the block: beyond exp(-40) it is exactly zero. Two samples
+// a side are for footprints of at most half the lobe's half-width (FootprintSamples), by which
+// exp(-60) at the centre is beyond exp(-40) at all of them.
+template <typename Real>
+TURNLIGHT_INLINE bool LobeReaches(const KernelModel& model, const Block<Real>& block,
+                                  const Vector3<Real>& l, int samples) {
+  if (samples > 2 || model.specular_model != Specular::kPhong) return true;
+  using L = Lanes<Real>;
+  // log(1 - c) <= -c, so n c > 40 is beyond reach.
+  const double beyond = samples == 1 ? 40.0 : 60.0;
+  const Vector3<Real> chord = l - block.mirrored;
+  const auto c = Real(0.5) * chord.Dot(chord);
+  return L::Any(L::Splat(model.shininess) * c < L::Splat(beyond));
+}
+
+// Rows of a tile. Each row has kTilePixels scalars: a_i and b_i of the shared parameters (each set
+// filled up with zeros to whole blocks), E, p, q, r_c.
+template <typename Real>
+struct Rows {
+  Real* base;
+  int shared;
+  TURNLIGHT_INLINE Real* A(int i) const {
+    return base + static_cast<std::ptrdiff_t>(i) * kTilePixels;
+  }
+  TURNLIGHT_INLINE Real* B(int i) const { return A(PaddedRows(shared) + i); }
+  TURNLIGHT_INLINE Real* Albedo() const { return A(2 * PaddedRows(shared)); }
+  TURNLIGHT_INLINE Real* ResidualA() const { return A(2 * PaddedRows(shared) + 1); }
+  TURNLIGHT_INLINE Real* ResidualB() const { return A(2 * PaddedRows(shared) + 2); }
+  TURNLIGHT_INLINE Real* Residual(int c) const { return A(2 * PaddedRows(shared) + 3 + c); }
+  TURNLIGHT_INLINE Real* Sums() const { return A(2 * PaddedRows(shared) + kExtraRows); }
+};
+
+// What a block's lights add up to.
+template <typename Real>
+struct Shading {
+  using V = typename Lanes<Real>::V;
+  V diffuse, specular, by_shininess, by_roughness;
+};
+
+template <typename Real, bool kJacobian>
+TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<Real>& block,
+                                          int samples, const Rows<Real>& rows, int offset) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0);
+  Shading<Real> sum{zero, zero, zero, zero};
+  for (int index = 0; index < model.lights; ++index) {
+    const KernelLight& light = model.light[index];
+    const V rho = L::Splat(light.inverse_distance), intensity = L::Splat(light.intensity);
+    const Vector3<Real> to_light = SplatVector<Real>(light.direction) - block.position * rho;
+    const V inverse = to_light.InverseNorm();
+    const Vector3<Real> l = to_light * inverse;
+    const V nl = block.normal.Dot(l);
+    V falloff = nl > zero ? inverse * inverse * block.valid : zero;
+    if (block.lit) falloff *= LoadBytes<Real>(block.lit[index] + block.at);
+    const Term<Real> diffuse = Diffuse(model, block, l, nl);
+    Term<Real> specular{zero, zero, {zero, zero, zero}, zero};
+    const V parallax = rho * inverse;
+    const bool shiny =
+        model.specular_model != Specular::kNone && LobeReaches(model, block, l, samples);
+    if (shiny) specular = SpecularMean(model, block, l, parallax, samples);
+    sum.diffuse += intensity * falloff * diffuse.value;
+    sum.specular += intensity * falloff * specular.value;
+    sum.by_shininess += intensity * falloff * specular.by_parameter;
+    sum.by_roughness += intensity * falloff * diffuse.by_parameter;
+    if constexpr (kJacobian) {
+      const V kd = L::Splat(model.diffuse), ks = L::Splat(model.specular);
+      const int row = kSharedFixed + kPerLight * index;
+      L::Store(rows.A(row) + offset, kd * falloff * diffuse.value);
+      L::Store(rows.B(row) + offset, ks * falloff * specular.value);
+      // f(l) / |L|^2 by L along e: (g.e - (g.l + 2 f)(l.e)) / |L|^3
+      const V cube = falloff * inverse * intensity;
+      const V diffuse_l = diffuse.gradient.Dot(l) + Real(2) * diffuse.value;
+      const V specular_l = specular.gradient.Dot(l) + Real(2) * specular.value;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3<Real> e =
+            k < 2 ? SplatVector<Real>(light.tangent[k]) : block.position * L::Splat(-1.0);
+        const V le = l.Dot(e);
+        L::Store(rows.A(row + 1 + k) + offset,
+                 kd * cube * (diffuse.gradient.Dot(e) - diffuse_l * le));
+        // How the parallax within the pixel changes: rho itself, and the distance.
+        const V changed = (k < 2 ? zero : inverse) - parallax * inverse * le;
+        const V by_parallax = falloff * intensity * specular.by_parallax * changed;
+        L::Store(rows.B(row + 1 + k) + offset,
+                 shiny ? ks * (cube * (specular.gradient.Dot(e) - specular_l * le) + by_parallax)
+                       : zero);
+      }
+    }
+  }
+  return sum;
+}
+
+// Residuals of a block, its shared rows and their weights. Returns its cost.
+template <typename Real>
+TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
+                                                     const Block<Real>& block,
+                                                     const Shading<Real>& shading,
+                                                     const Rows<Real>& rows, int offset) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0), one = L::Splat(1.0);
+  const V albedo_row = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
+  V residual[3], square = zero, residual_a = zero, residual_b = zero;
+  for (int c = 0; c < model.channels; ++c) {
+    residual[c] = (L::Splat(model.albedo[c]) * albedo_row +
+                   L::Splat(model.specular) * shading.specular - block.radiance[c]) *
+                  block.valid;
+    square += residual[c] * residual[c];
+  }
+  // Huber's loss on the pixel's root-mean-square residual, as a weight on its rows.
+  V weight = block.valid, cost = Real(0.5) * square;
+  if (model.huber > 0.0) {
+    const V scale = L::Splat(model.huber), channels = L::Splat(model.channels);
+    const V size = L::Sqrt(L::Max(square / channels, L::Splat(1e-30)));
+    const auto far = size > scale;
+    weight = far ? L::Sqrt(scale / size) * block.valid : weight;
+    cost = far ? channels * (scale * size - Real(0.5) * scale * scale) * block.valid : cost;
+  }
+  for (int c = 0; c < model.channels; ++c) {
+    residual[c] *= weight;
+    residual_a += L::Splat(model.albedo[c]) * residual[c];
+    residual_b += residual[c];
+    L::Store(rows.Residual(c) + offset, residual[c]);
+  }
+  L::Store(rows.Albedo() + offset, albedo_row * weight);
+  L::Store(rows.ResidualA() + offset, residual_a);
+  L::Store(rows.ResidualB() + offset, residual_b);
+  const V a[kSharedFixed] = {one, shading.diffuse, zero, zero,
+                             L::Splat(model.diffuse) * shading.by_roughness};
+  const V b[kSharedFixed] = {zero, zero, shading.specular,
+                             L::Splat(model.specular * model.shininess) * shading.by_shininess,
+                             zero};
+  for (int i = 0; i < kSharedFixed; ++i) {
+    L::Store(rows.A(i) + offset, a[i] * weight);
+    L::Store(rows.B(i) + offset, b[i] * weight);
+  }
+  if (model.huber > 0.0) {
+    for (int i = kSharedFixed; i < rows.shared; ++i) {
+      L::Store(rows.A(i) + offset, L::Load(rows.A(i) + offset) * weight);
+      L::Store(rows.B(i) + offset, L::Load(rows.B(i) + offset) * weight);
+    }
+  }
+  return cost;
+}
+
+// Lane sums of a run of tiles, in the kernel's precision, before they are flushed to double.
+// Order: blocks of pairs, then per i: gradient, albedo a, albedo b, then E^2, E r_c.
+template <typename Real>
+TURNLIGHT_INLINE void AddDot(Real* sum, const Real* x, const Real* y) {
+  using L = Lanes<Real>;
+  typename L::V total = L::Load(sum);
+  for (int i = 0; i < kTilePixels; i += kLanes) total += L::Load(x + i) * L::Load(y + i);
+  L::Store(sum, total);
+}
+
+// Rows are multiplied in blocks of 4 x 4, so that each load serves four products. The lanes of a
+// variant's registers, and how many columns of a block fit into them, are its own; the sums are
+// not.
+#ifndef TURNLIGHT_DOT_LANES
+#define TURNLIGHT_DOT_LANES 4
+#define TURNLIGHT_DOT_COLUMNS 2
+#endif
+constexpr int kBlock = 4;
+constexpr int kBlockSums = kBlock * kBlock * kLanes;
+
+template <typename Real>
+TURNLIGHT_INLINE void AddBlock(Real* sums, const Real* x, const Real* y) {
+  constexpr int kSub = TURNLIGHT_DOT_LANES, kColumns = TURNLIGHT_DOT_COLUMNS;
+  typedef Real S __attribute__((vector_size(kSub * sizeof(Real))));
+  const auto load = [](const Real* from) {
+    S v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+  };
+  for (int lane = 0; lane < kLanes; lane += kSub)
+    for (int column = 0; column < kBlock; column += kColumns) {
+      S total[kBlock][kColumns];
+      Real* at = sums + column * kLanes + lane;
+      for (int i = 0; i < kBlock; ++i)
+        for (int j = 0; j < kColumns; ++j) total[i][j] = load(at + (i * kBlock + j) * kLanes);
+      for (int p = lane; p < kTilePixels; p += kLanes) {
+        S xs[kBlock];
+        for (int i = 0; i < kBlock; ++i) xs[i] = load(x + i * kTilePixels + p);
+        for (int j = 0; j < kColumns; ++j) {
+          const S ys = load(y + (column + j) * kTilePixels + p);
+          for (int i = 0; i < kBlock; ++i) total[i][j] += xs[i] * ys;
+        }
+      }
+      for (int i = 0; i < kBlock; ++i)
+        for (int j = 0; j < kColumns; ++j)
+          std::memcpy(at + (i * kBlock + j) * kLanes, &total[i][j], sizeof(S));
+    }
+}
+
+template <typename Real>
+TURNLIGHT_INLINE void AddTile(const KernelModel& model, const Rows<Real>& rows, Real* sums) {
+  using L = Lanes<Real>;
+  const int n = rows.shared;
+  const bool specular = model.specular_model != Specular::kNone;
+  Real* linear = sums + PairSums(n);
+  for (int i = 0; i < n; ++i) {
+    AddDot(linear + (3 * i) * kLanes, rows.A(i), rows.ResidualA());
+    if (specular) AddDot(linear + (3 * i) * kLanes, rows.B(i), rows.ResidualB());
+    if (model.gradient_only) continue;
+    AddDot(linear + (3 * i + 1) * kLanes, rows.A(i), rows.Albedo());
+    if (specular) AddDot(linear + (3 * i + 2) * kLanes, rows.B(i), rows.Albedo());
+  }
+  Real* rest = linear + 3 * n * kLanes;
+  AddDot(rest, rows.Albedo(), rows.Albedo());
+  for (int c = 0; c < model.channels; ++c)
+    AddDot(rest + (1 + c) * kLanes, rows.Albedo(), rows.Residual(c));
+  if (model.gradient_only) return;
+  // Rows to pseudo-channels in place, then their products.
+  const auto l11 = L::Splat(model.l11), l21 = L::Splat(model.l21), l22 = L::Splat(model.l22);
+  for (int i = 0; i < n; ++i)
+    for (int p = 0; p < kTilePixels; p += kLanes) {
+      const auto a = L::Load(rows.A(i) + p);
+      if (!specular) {
+        L::Store(rows.A(i) + p, l11 * a);
+        continue;
+      }
+      const auto b = L::Load(rows.B(i) + p);
+      L::Store(rows.A(i) + p, l11 * a + l21 * b);
+      L::Store(rows.B(i) + p, l22 * b);
+    }
+  Real* block = sums;
+  for (int i = 0; i < n; i += kBlock)
+    for (int j = i; j < n; j += kBlock, block += kBlockSums) {
+      AddBlock(block, rows.A(i), rows.A(j));
+      if (specular && model.l22 > 0.0) AddBlock(block, rows.B(i), rows.B(j));
+    }
+}
+
+template <typename Real>
+TURNLIGHT_INLINE double FlushLane(Real* lanes) {
+  double sum = 0.0;
+  for (int i = 0; i < kLanes; ++i) {
+    sum += static_cast<double>(lanes[i]);
+    lanes[i] = Real(0);
+  }
+  return sum;
+}
+
+template <typename Real>
+TURNLIGHT_INLINE void Flush(const KernelModel& model, int n, Real* sums, KernelSums& out) {
+  Real* at = sums;
+  for (int bi = 0; bi < n; bi += kBlock)
+    for (int bj = bi; bj < n; bj += kBlock)
+      for (int i = bi; i < bi + kBlock; ++i)
+        for (int j = bj; j < bj + kBlock; ++j, at += kLanes) {
+          const double sum = FlushLane(at);
+          if (i <= j && j < n) out.shared[i * n + j] += sum;
+        }
+  for (int i = 0; i < n; ++i, at += 3 * kLanes) {
+    out.gradient[i] += FlushLane(at);
+    out.albedo_a[i] += FlushLane(at + kLanes);
+    out.albedo_b[i] += FlushLane(at + 2 * kLanes);
+  }
+  out.albedo_square += FlushLane(at);
+  for (int c = 0; c < model.channels; ++c)
+    out.albedo_gradient[c] += FlushLane(at + (1 + c) * kLanes);
+}
+
+template <typename Real>
+TURNLIGHT_INLINE void AccumulateTiles(const KernelModel& model, const KernelPixels& pixels,
+                                      Real* workspace, KernelSums& out) {
+  using L = Lanes<Real>;
+  constexpr std::size_t kTilesPerFlush = 8;
+  const int n = model.Shared();
+  const Rows<Real> rows{workspace, n};
+  Real* sums = rows.Sums();
+  // Also the rows that only fill up the last block.
+  std::memset(workspace, 0, sizeof(Real) * WorkspaceSize(n));
+  for (std::size_t tile = 0; tile < pixels.tiles; ++tile) {
+    const int samples = pixels.samples ? pixels.samples[tile] : 1;
+    for (int offset = 0; offset < kTilePixels; offset += kLanes) {
+      const auto block = LoadBlock<Real>(
+          model, pixels, tile * kTilePixels + static_cast<std::size_t>(offset), samples);
+      const auto shading = ShadeBlock<Real, true>(model, block, samples, rows, offset);
+      const auto cost = FinishBlock<Real>(model, block, shading, rows, offset);
+      Real lanes[kLanes];
+      L::Store(lanes, cost);
+      out.cost += FlushLane(lanes);
+    }
+    AddTile(model, rows, sums);
+    if ((tile + 1) % kTilesPerFlush == 0 || tile + 1 == pixels.tiles) Flush(model, n, sums, out);
+  }
+}
+
+template <typename Real>
+TURNLIGHT_INLINE void PredictTiles(const KernelModel& model, const KernelPixels& pixels,
+                                   Real* workspace, Real* const* out) {
+  using L = Lanes<Real>;
+  const Rows<Real> rows{workspace, model.Shared()};
+  for (std::size_t tile = 0; tile < pixels.tiles; ++tile) {
+    const int samples = pixels.samples ? pixels.samples[tile] : 1;
+    for (int offset = 0; offset < kTilePixels; offset += kLanes) {
+      const std::size_t at = tile * kTilePixels + static_cast<std::size_t>(offset);
+      const auto block = LoadBlock<Real>(model, pixels, at, samples);
+      const auto shading = ShadeBlock<Real, false>(model, block, samples, rows, offset);
+      const auto diffuse = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
+      for (int c = 0; c < model.channels; ++c)
+        L::Store(out[c] + at,
+                 L::Splat(model.albedo[c]) * diffuse + L::Splat(model.specular) * shading.specular);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace turnlight::estimator::solve::kernel

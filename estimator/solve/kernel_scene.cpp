@@ -1,0 +1,160 @@
+#include "estimator/solve/kernel_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "estimator/model/tangent_basis.h"
+
+namespace turnlight::estimator::solve {
+namespace {
+
+using kernel::KernelModel;
+using kernel::KernelPixels;
+
+static_assert(kernel::kTilePixels == observe::kTile,
+              "a tile of observations is a tile of the kernel");
+
+// A unit of parallel work: 16 384 pixels, less where that would leave threads idle. A function of
+// the number of tiles alone.
+constexpr std::size_t kMostTilesPerChunk = 64, kFewestTilesPerChunk = 4, kChunksWanted = 16;
+
+kernel::Specular KernelSpecular(model::SpecularModel model) {
+  switch (model) {
+    case model::SpecularModel::kNone:
+      return kernel::Specular::kNone;
+    case model::SpecularModel::kPhong:
+      return kernel::Specular::kPhong;
+    case model::SpecularModel::kBlinnPhong:
+      return kernel::Specular::kBlinnPhong;
+  }
+  return kernel::Specular::kNone;
+}
+
+// Legendre's P_n(x) and its derivative, by the three-term recurrence.
+std::pair<double, double> Legendre(int n, double x) {
+  double previous = 1.0, value = x;
+  for (int k = 2; k <= n; ++k) {
+    const double next = ((2 * k - 1) * x * value - (k - 1) * previous) / k;
+    previous = value;
+    value = next;
+  }
+  return {value, n * (x * value - previous) / (x * x - 1.0)};
+}
+
+// Nodes and weights on [-1/2, 1/2] for every number of samples.
+struct Quadrature {
+  double node[kernel::kMaxSamples + 1][kernel::kMaxSamples];
+  double weight[kernel::kMaxSamples + 1][kernel::kMaxSamples];
+};
+
+Quadrature MakeQuadrature() {
+  Quadrature out{};
+  for (int n = 1; n <= kernel::kMaxSamples; ++n) {
+    for (int i = 0; i < n; ++i) {
+      double x = -std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
+      for (int step = 0; n > 1 && step < 20; ++step) {
+        const auto [value, slope] = Legendre(n, x);
+        x -= value / slope;
+      }
+      const double slope = Legendre(n, x).second;
+      out.node[n][i] = n == 1 ? 0.0 : 0.5 * x;
+      out.weight[n][i] = n == 1 ? 1.0 : 1.0 / ((1.0 - x * x) * slope * slope);
+    }
+  }
+  return out;
+}
+
+void FillQuadrature(double aperture, KernelModel& model) {
+  static const Quadrature kQuadrature = MakeQuadrature();
+  for (int n = 0; n <= kernel::kMaxSamples; ++n)
+    for (int i = 0; i < kernel::kMaxSamples; ++i)
+      model.node[n][i] = aperture * kQuadrature.node[n][i];
+  std::memcpy(model.weight, kQuadrature.weight, sizeof model.weight);
+}
+
+void FillOrenNayar(KernelModel& model, const model::Reflectance& reflectance) {
+  const double s = reflectance.roughness, v = s * s;
+  model.oren_nayar = reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
+  model.oren_nayar_a = 1.0 - 0.5 * v / (v + 0.33);
+  model.oren_nayar_b = 0.45 * v / (v + 0.09);
+  model.oren_nayar_da = -0.5 * 0.33 / ((v + 0.33) * (v + 0.33));
+  model.oren_nayar_db = 0.45 * 0.09 / ((v + 0.09) * (v + 0.09));
+}
+
+}  // namespace
+
+KernelScene::KernelScene(const observe::Observations& observations, const model::Scene& scene,
+                         const EvaluateOptions& options) {
+  for (const model::Light& light : scene.lights) {
+    const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
+    kernel::KernelLight& out = lights.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      out.direction[k] = light.direction[k];
+      out.tangent[0][k] = basis(k, 0);
+      out.tangent[1][k] = basis(k, 1);
+    }
+    out.inverse_distance = light.inverse_distance;
+    out.intensity = light.intensity;
+  }
+  const model::Reflectance& r = scene.reflectance;
+  model.channels = observations.channels;
+  model.lights = static_cast<int>(lights.size());
+  model.light = lights.data();
+  double sum = 0.0, square = 0.0;
+  for (int c = 0; c < model.channels; ++c) {
+    model.albedo[c] = r.albedo[c];
+    sum += r.albedo[c];
+    square += r.albedo[c] * r.albedo[c];
+  }
+  model.ambient = r.ambient;
+  model.diffuse = r.diffuse;
+  model.specular = r.specular;
+  model.shininess = r.shininess;
+  model.specular_model = KernelSpecular(r.specular_model);
+  model.huber = options.huber;
+  model.gradient_only = options.gradient_only;
+  FillOrenNayar(model, r);
+  FillQuadrature(options.aperture, model);
+  model.l11 = std::sqrt(std::max(square, 1e-30));
+  model.l21 = sum / model.l11;
+  const double rest = model.channels - model.l21 * model.l21;
+  model.l22 = rest > 1e-12 ? std::sqrt(rest) : 0.0;
+}
+
+// One chunk's arrays. lit: room for a pointer for each light.
+KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& options,
+                      std::size_t tile, std::size_t tiles, std::vector<const std::uint8_t*>& lit) {
+  KernelPixels pixels{};
+  const std::size_t at = tile * observe::kTile;
+  const Shadows& shadows = options.shadows;
+  for (const Plane& plane : shadows.lit) lit.push_back(plane->data() + at);
+  pixels.lit = shadows.lit.empty() ? nullptr : lit.data();
+  pixels.usable = shadows.usable ? shadows.usable->data() + at : nullptr;
+  for (int k = 0; k < 3; ++k) {
+    pixels.position[k] = all.position[k].data() + at;
+    pixels.normal[k] = all.normal[k].data() + at;
+    pixels.mirrored[k] = all.mirrored[k].data() + at;
+    pixels.radiance[k] = k < all.channels ? all.radiance[k].data() + at : nullptr;
+  }
+  for (int k = 0; k < 6; ++k) {
+    pixels.footprint[k] = all.footprint[k].data() + at;
+    pixels.step[k] = all.step[k].data() + at;
+  }
+  pixels.pixel = all.pixel.data() + at;
+  pixels.samples =
+      options.samples_per_side.empty() ? nullptr : options.samples_per_side.data() + tile;
+  pixels.tiles = tiles;
+  return pixels;
+}
+
+Chunks::Chunks(std::size_t all_tiles)
+    : tiles(all_tiles),
+      per_chunk(std::clamp(all_tiles / kChunksWanted, kFewestTilesPerChunk, kMostTilesPerChunk)) {}
+
+std::size_t Chunks::Tiles(std::size_t chunk) const {
+  return std::min(per_chunk, tiles - First(chunk));
+}
+
+}  // namespace turnlight::estimator::solve

@@ -1,0 +1,42 @@
+// A scene and observations in the form that the kernel takes. Internal to the normal equations and
+// the prediction.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "estimator/model/scene.h"
+#include "estimator/observe/observations.h"
+#include "estimator/solve/evaluate_options.h"
+#include "estimator/solve/kernel/tile_kernel.h"
+
+namespace turnlight::estimator::solve {
+
+// The lights live beside the model, which points to them: not to be copied.
+struct KernelScene {
+  kernel::KernelModel model{};
+  std::vector<kernel::KernelLight> lights;
+
+  KernelScene(const observe::Observations& observations, const model::Scene& scene,
+              const EvaluateOptions& options);
+  KernelScene(const KernelScene&) = delete;
+  KernelScene& operator=(const KernelScene&) = delete;
+};
+
+// The arrays of `tiles` tiles from `tile` on. lit: receives a pointer for each light, and must
+// outlive what is returned.
+kernel::KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& options,
+                              std::size_t tile, std::size_t tiles,
+                              std::vector<const std::uint8_t*>& lit);
+
+// How tiles are shared out to threads: a function of their number alone.
+struct Chunks {
+  explicit Chunks(std::size_t all_tiles);
+  std::size_t count() const { return (tiles + per_chunk - 1) / per_chunk; }
+  std::size_t First(std::size_t chunk) const { return chunk * per_chunk; }
+  std::size_t Tiles(std::size_t chunk) const;  // in this chunk; the last may have fewer
+
+  std::size_t tiles, per_chunk;
+};
+
+}  // namespace turnlight::estimator::solve

@@ -1,0 +1,107 @@
+#include "estimator/solve/normal_equations.h"
+
+#include <vector>
+
+#include "base/parallel.h"
+#include "estimator/solve/kernel_scene.h"
+
+namespace turnlight::estimator::solve {
+namespace {
+
+using kernel::KernelModel;
+using kernel::KernelSums;
+
+// The sums of one chunk, with their storage.
+struct ChunkSums {
+  std::vector<double> values;
+  KernelSums sums{};
+
+  explicit ChunkSums(int n) : values(static_cast<std::size_t>(n) * (n + 3), 0.0) {
+    sums.shared = values.data();
+    sums.gradient = sums.shared + static_cast<std::ptrdiff_t>(n) * n;
+    sums.albedo_a = sums.gradient + n;
+    sums.albedo_b = sums.albedo_a + n;
+  }
+  void Add(const ChunkSums& other, int channels) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += other.values[i];
+    sums.albedo_square += other.sums.albedo_square;
+    for (int c = 0; c < channels; ++c) sums.albedo_gradient[c] += other.sums.albedo_gradient[c];
+    sums.cost += other.sums.cost;
+  }
+};
+
+NormalEquations Assemble(const KernelModel& model, const KernelSums& sums) {
+  const int n = model.Shared(), channels = model.channels;
+  NormalEquations out;
+  out.cost = sums.cost;
+  out.hessian = Eigen::MatrixXd::Zero(channels + n, channels + n);
+  out.gradient = Eigen::VectorXd::Zero(channels + n);
+  for (int i = 0; i < n; ++i) {
+    out.gradient[channels + i] = sums.gradient[i];
+    for (int j = i; j < n; ++j)
+      out.hessian(channels + i, channels + j) = out.hessian(channels + j, channels + i) =
+          sums.shared[i * n + j];
+    for (int c = 0; c < channels; ++c)
+      out.hessian(c, channels + i) = out.hessian(channels + i, c) =
+          model.albedo[c] * sums.albedo_a[i] + sums.albedo_b[i];
+  }
+  for (int c = 0; c < channels; ++c) {
+    out.hessian(c, c) = sums.albedo_square;
+    out.gradient[c] = sums.albedo_gradient[c];
+  }
+  return out;
+}
+
+template <typename Real, typename Function>
+NormalEquations EvaluateWith(const observe::Observations& observations, const model::Scene& scene,
+                             const EvaluateOptions& options, Function accumulate) {
+  const KernelScene kernel_scene(observations, scene, options);
+  const int n = kernel_scene.model.Shared();
+  const Chunks chunks(observations.tiles());
+  std::vector<ChunkSums> parts;
+  parts.reserve(chunks.count());
+  for (std::size_t i = 0; i < chunks.count(); ++i) parts.emplace_back(n);
+  ParallelFor(chunks.count(), [&](std::size_t chunk) {
+    const std::size_t first = chunks.First(chunk), tiles = chunks.Tiles(chunk);
+    std::vector<Real> workspace(kernel::WorkspaceSize(n));
+    std::vector<const std::uint8_t*> lit;
+    accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles, lit),
+               workspace.data(), parts[chunk].sums);
+  });
+  ChunkSums total(n);
+  for (const ChunkSums& part : parts) total.Add(part, observations.channels);
+  return Assemble(kernel_scene.model, total.sums);
+}
+
+}  // namespace
+
+NormalEquations Evaluate(const observe::Observations& observations, const model::Scene& scene,
+                         const EvaluateOptions& options) {
+  return EvaluateWith<float>(observations, scene, options, kernel::BestKernel().accumulate);
+}
+
+Eigen::MatrixXd TileGradients(const observe::Observations& observations, const model::Scene& scene,
+                              const EvaluateOptions& options) {
+  EvaluateOptions gradient_only = options;
+  gradient_only.gradient_only = true;
+  const KernelScene kernel_scene(observations, scene, gradient_only);
+  const int n = kernel_scene.model.Shared();
+  Eigen::MatrixXd out(observations.channels + n, static_cast<Eigen::Index>(observations.tiles()));
+  ParallelFor(observations.tiles(), [&](std::size_t tile) {
+    std::vector<float> workspace(kernel::WorkspaceSize(n));
+    std::vector<const std::uint8_t*> lit;
+    ChunkSums chunk(n);
+    kernel::BestKernel().accumulate(kernel_scene.model,
+                                    PixelsOf(observations, options, tile, 1, lit), workspace.data(),
+                                    chunk.sums);
+    out.col(static_cast<Eigen::Index>(tile)) = Assemble(kernel_scene.model, chunk.sums).gradient;
+  });
+  return out;
+}
+
+NormalEquations EvaluateDouble(const observe::Observations& observations, const model::Scene& scene,
+                               const EvaluateOptions& options) {
+  return EvaluateWith<double>(observations, scene, options, kernel::AccumulateInDouble);
+}
+
+}  // namespace turnlight::estimator::solve

@@ -1,0 +1,144 @@
+#include "estimator/solve/solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "estimator/solve/box_quadratic.h"
+#include "estimator/solve/unit_diagonal.h"
+
+namespace turnlight::estimator::solve {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Marquardt's damping, relative to the matrix's diagonal.
+constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e8;
+constexpr double kGaussNewton = 1e-2;  // below it a short step is the end, not the damping's doing
+constexpr double kRounding = 1e-10;    // of the cost: what its sums in single precision resolve
+// The linear model reaches no further than this in one step: radians, 1/R, log n, radians squared.
+constexpr double kDirectionStep = 0.3, kDistanceStep = 0.1, kShininessStep = 1.0,
+                 kRoughnessStep = 0.2;
+
+std::size_t Strongest(const std::vector<model::Light>& lights) {
+  const auto weaker = [](const model::Light& a, const model::Light& b) {
+    return a.intensity < b.intensity;
+  };
+  return static_cast<std::size_t>(std::max_element(lights.begin(), lights.end(), weaker) -
+                                  lights.begin());
+}
+
+// What the solver may do with one scalar.
+struct Limits {
+  bool held = false;
+  double low = 0.0;
+  double high = kInfinity;
+  double step = kInfinity;  // the longest
+};
+
+std::vector<Limits> LimitsOf(const Columns& columns, const model::Scene& start,
+                             const SolveOptions& options) {
+  std::vector<Limits> limits(static_cast<std::size_t>(columns.count()));
+  const auto at = [&](int column) -> Limits& { return limits[static_cast<std::size_t>(column)]; };
+  int gauge_channel = 0;
+  start.reflectance.albedo.head(columns.channels).maxCoeff(&gauge_channel);
+  at(columns.Albedo(gauge_channel)).held = true;
+  if (options.gauge == Gauge::kDiffuse) at(columns.Diffuse()).held = true;
+  const bool specular = start.reflectance.specular_model != model::SpecularModel::kNone;
+  at(columns.Specular()).held = !specular;
+  at(columns.LogShininess()) = {!specular, std::log(model::kMinShininess),
+                                std::log(model::kMaxShininess), kShininessStep};
+  const bool rough = start.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
+  at(columns.RoughnessSquared()) = {!rough, 0.0, kMaxRoughness * kMaxRoughness, kRoughnessStep};
+  for (int l = 0; l < columns.lights; ++l) {
+    const auto index = static_cast<std::size_t>(l);
+    const bool fixed = !options.fixed_distance.empty() && options.fixed_distance[index];
+    at(columns.InverseDistance(l)) = {fixed, 0.0, kMaxInverseDistance, kDistanceStep};
+    for (int k = 0; k < 2; ++k)
+      at(columns.Tangent(l) + k) = {!options.free_directions, -kInfinity, kInfinity,
+                                    kDirectionStep};
+    at(columns.Intensity(l)).held =
+        options.gauge == Gauge::kStrongestLight && index == Strongest(start.lights);
+  }
+  return limits;
+}
+
+// The step of the damped normal equations within the bounds, columns scaled to unit diagonal.
+Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::VectorXd& values,
+                           const std::vector<Limits>& limits, double damping) {
+  const Eigen::Index n = values.size();
+  Eigen::VectorXd scale = equations.hessian.diagonal().cwiseMax(0.0).cwiseSqrt();
+  Eigen::VectorXd low(n), high(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Limits& limit = limits[static_cast<std::size_t>(i)];
+    if (limit.held) scale[i] = 0.0;
+    // Rounding must not put 0 outside.
+    low[i] = scale[i] * std::min(std::max(limit.low - values[i], -limit.step), 0.0);
+    high[i] = scale[i] * std::max(std::min(limit.high - values[i], limit.step), 0.0);
+    if (scale[i] == 0.0) low[i] = high[i] = 0.0;
+  }
+  const Eigen::VectorXd inverse = InverseOrZero(scale);
+  Eigen::MatrixXd scaled = inverse.asDiagonal() * equations.hessian * inverse.asDiagonal();
+  scaled.diagonal() *= 1.0 + damping;
+  const Eigen::VectorXd slope = inverse.asDiagonal() * equations.gradient;
+  return inverse.asDiagonal() * MinimiseInBox(scaled, slope, low, high);
+}
+
+bool Finite(const NormalEquations& equations) {
+  return std::isfinite(equations.cost) && equations.gradient.allFinite() &&
+         equations.hessian.allFinite();
+}
+
+}  // namespace
+
+Solution Solve(const observe::Observations& observations, const model::Scene& start,
+               const SolveOptions& options) {
+  Solution out;
+  out.scene = WithinBounds(start);
+  out.evaluate = options.evaluate;
+  const Columns columns{observations.channels, static_cast<int>(start.lights.size())};
+  const std::vector<Limits> limits = LimitsOf(columns, out.scene, options);
+  out.equations = Evaluate(observations, out.scene, options.evaluate);
+  out.cost_history.push_back(out.equations.cost);
+  double damping = kFirstDamping;
+  bool done = false;
+  if (!Finite(out.equations)) {
+    out.stopped = Stopped::kNotFinite;
+    done = true;
+  }
+  while (!done && out.iterations < options.max_iterations) {
+    const double cost = out.equations.cost;
+    const Eigen::VectorXd step =
+        DampedStep(out.equations, Values(out.scene, columns), limits, damping);
+    const double predicted =
+        -step.dot(out.equations.gradient + 0.5 * (out.equations.hessian * step));
+    if (!(predicted > kRounding * cost) || damping > kMostDamping) {
+      // Nothing to gain: at the minimum, or (its step not finite) as close as it can be known.
+      out.stopped = predicted <= kRounding * cost ? Stopped::kTolerance : Stopped::kNoDescent;
+      break;
+    }
+    model::Scene trial = WithinBounds(Moved(out.scene, columns, step));
+    NormalEquations equations = Evaluate(observations, trial, options.evaluate);
+    ++out.iterations;
+    const double gained = cost - equations.cost;
+    if (!Finite(equations) || !(gained > 0.0)) {
+      damping *= 10.0;
+      out.cost_history.push_back(cost);
+      // What it might gain is less than matters.
+      done = predicted <= options.function_tolerance * cost;
+      continue;
+    }
+    done = gained <= options.function_tolerance * cost && damping <= kGaussNewton;
+    const double gain = gained / predicted;
+    damping *= gain > 0.75 ? 0.1 : gain > 0.25 ? 0.5 : 4.0;
+    damping = std::max(damping, kLeastDamping);
+    out.scene = std::move(trial);
+    out.equations = std::move(equations);
+    out.cost_history.push_back(out.equations.cost);
+  }
+  if (done && out.stopped == Stopped::kIterationLimit) out.stopped = Stopped::kTolerance;
+  for (const Limits& limit : limits) out.held.push_back(limit.held);
+  return out;
+}
+
+}  // namespace turnlight::estimator::solve

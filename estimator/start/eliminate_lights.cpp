@@ -1,0 +1,50 @@
+#include "estimator/start/eliminate_lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace turnlight::estimator::start {
+namespace {
+
+constexpr double kEliminationRatio = 3.0;  // of the excess variance; true lights gave 40 and more
+constexpr double kHardlyMissed = 1.2;      // of the excess variance: no need to try others
+
+// The best fit without one of the weakest four lights; the first that is hardly missed will do.
+Candidate BestWithoutOne(const Sample& sample, const Candidate& full, double noise) {
+  std::vector<std::size_t> order(full.scene.lights.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return full.scene.lights[a].intensity < full.scene.lights[b].intensity;
+  });
+  order.resize(std::min<std::size_t>(order.size(), 4));
+  std::optional<Candidate> best;
+  for (const std::size_t index : order) {
+    Candidate start = full;
+    start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
+    Candidate candidate = Refit(sample, start, 20, noise, kToCompare);
+    if (!best || candidate.excess < best->excess) best = std::move(candidate);
+    if (best->excess <= kHardlyMissed * full.excess) break;
+  }
+  return std::move(*best);
+}
+
+}  // namespace
+
+Candidate Eliminate(const Sample& sample, const Candidate& fitted) {
+  Candidate best = Refit(sample, fitted, 40, sample.noise, kToKeep);
+  // With lights to spare what is left is noise; a larger estimate of it would hide lights.
+  const double least = std::min(sample.noise, std::sqrt(best.mean_square));
+  best.excess = ExcessVariance(best.mean_square, least);
+  const auto wanted = static_cast<std::size_t>(sample.choice.lights.value_or(0));
+  while (best.scene.lights.size() > wanted) {
+    Candidate fewer = BestWithoutOne(sample, best, least);
+    if (!sample.choice.lights && fewer.excess >= kEliminationRatio * best.excess) break;
+    best = std::move(fewer);
+  }
+  return Refit(sample, best, 40, sample.noise, kToKeep);
+}
+
+}  // namespace turnlight::estimator::start

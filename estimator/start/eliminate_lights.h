@@ -1,0 +1,13 @@
+// Backward elimination: which lights the pictures need.
+#pragma once
+
+#include "estimator/start/candidate.h"
+
+namespace turnlight::estimator::start {
+
+// From what is already a fit: removes every light without which the excess variance is less than
+// three times as large; all of them, if there are no lights. With sample.choice.lights it stops at
+// so many instead. See docs/estimation.md, "Starts".
+Candidate Eliminate(const Sample& sample, const Candidate& fitted);
+
+}  // namespace turnlight::estimator::start

@@ -1,0 +1,192 @@
+#include "estimator/start/find_lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/format.h"
+#include "estimator/model/direction_lattice.h"
+#include "estimator/start/add_missing_lights.h"
+#include "estimator/start/eliminate_lights.h"
+#include "estimator/start/merge_lights.h"
+#include "estimator/start/start_scene.h"
+
+namespace turnlight::estimator::start {
+namespace {
+
+constexpr std::size_t kMaxClusters = 12;
+constexpr int kLatticeLights = 24;
+constexpr double kRatioPerLight = 3.0;
+constexpr double kRoughRatio = 1.25, kHalfVectorRatio = 1.25;
+constexpr double kFirstRoughness = 0.3;  // radians
+// A lobe of (n.h)^n is about as wide as one of (r.v)^(n/4).
+constexpr double kHalfVectorShininess = 4.0;
+
+Eigen::Vector3d MeanNormal(const observe::Observations& all) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != observe::Observations::kNoPixel)
+      for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(all.normal[k][i]);
+  return sum.norm() > 1e-6 * static_cast<double>(all.used) ? Eigen::Vector3d(sum.normalized())
+                                                           : Eigen::Vector3d::UnitZ();
+}
+
+bool Rough(const Candidate& candidate) {
+  return candidate.scene.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
+}
+
+const char* Name(model::DiffuseModel model) {
+  return model == model::DiffuseModel::kOrenNayar ? "Oren-Nayar" : "Lambert";
+}
+
+Candidate WithDiffuse(Candidate candidate, model::DiffuseModel model) {
+  model::Reflectance& r = candidate.scene.reflectance;
+  r.diffuse_model = model;
+  r.roughness = model == model::DiffuseModel::kOrenNayar ? kFirstRoughness : 0.0;
+  return candidate;
+}
+
+Candidate WithLobe(Candidate candidate, model::SpecularModel model) {
+  model::Reflectance& r = candidate.scene.reflectance;
+  if (model == model::SpecularModel::kNone) r.specular = 0.0;
+  if (model == model::SpecularModel::kBlinnPhong &&
+      r.specular_model == model::SpecularModel::kPhong)
+    r.shininess = std::min(kHalfVectorShininess * r.shininess, model::kMaxShininess);
+  r.specular_model = model;
+  return candidate;
+}
+
+// Whether a is to be preferred. The simpler model is better unless the other makes the excess
+// variance smaller: three times for each light, 1.25 times for a rough surface. Of the same surface
+// three times will do for all lights together: each was needed already in its own fit.
+bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
+  const auto count = [](const Candidate& c) { return static_cast<int>(c.scene.lights.size()); };
+  if (sample.choice.lights) {
+    const int off_a = std::abs(count(a) - *sample.choice.lights);
+    const int off_b = std::abs(count(b) - *sample.choice.lights);
+    if (off_a != off_b) return off_a < off_b;
+  }
+  const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
+  const int more = count(a) - count(b);
+  const int worth = rough == 0.0 ? std::clamp(more, -1, 1) : more;
+  return a.excess * std::pow(kRatioPerLight, worth) * std::pow(kRoughRatio, rough) < b.excess;
+}
+
+// The candidates so far, and what became of each.
+struct Search {
+  const Sample& sample;
+  Candidate best, lowest;  // by Better and by the excess variance
+  std::string winner, tried;
+  bool done = false;
+
+  // Returns the excess variance that the start led to.
+  double Try(const char* from, const std::vector<Eigen::Vector3d>& directions,
+             model::DiffuseModel diffuse) {
+    return Try(from, StartFromDirections(sample.pixels, directions), diffuse);
+  }
+  double Try(const char* from, model::Scene scene, model::DiffuseModel diffuse) {
+    Candidate start;
+    start.scene = std::move(scene);
+    start = WithDiffuse(std::move(start), diffuse);
+    start =
+        WithLobe(std::move(start), sample.choice.specular.value_or(model::SpecularModel::kPhong));
+    Candidate found = AddMissingLights(sample, Eliminate(sample, FitAndMerge(sample, start.scene)));
+    const double excess = found.excess;
+    if (winner.empty() || excess < lowest.excess) lowest = found;
+    const std::string name = std::string(from) + " with " + Name(diffuse);
+    tried += (tried.empty() ? "" : "; ") + name +
+             Format(" lead to %zu lights with an excess variance of %.3g",
+                    found.scene.lights.size(), excess);
+    done = NothingLeft(excess, sample);
+    // Each light of what explains the pictures was needed for that: no better is to be had.
+    if (winner.empty() || done || Better(sample, found, best)) {
+      best = std::move(found);
+      winner = name;
+    }
+    return excess;
+  }
+};
+
+}  // namespace
+
+Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>& clusters,
+                     std::vector<model::Rung>& ladder) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const observe::MapPoint& cluster : clusters)
+    if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
+  const auto lattice = model::HemisphereDirections(kLatticeLights, MeanNormal(sample.pixels));
+  Search search{sample, {}, {}, {}, {}};
+  model::DiffuseModel diffuse = sample.choice.diffuse.value_or(model::DiffuseModel::kLambert);
+  const double first = search.Try("the intensity map's clusters", directions, diffuse);
+  if (!search.done && !sample.choice.diffuse) {
+    const double rough = search.Try("the clusters", directions, model::DiffuseModel::kOrenNayar);
+    // Oren-Nayar can be as smooth as Lambert; Lambert has fewer ways to go wrong.
+    if (first > kRoughRatio * rough) diffuse = model::DiffuseModel::kOrenNayar;
+  }
+  if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
+  // A fit of the other surface may have got past where this one stops.
+  if (!search.done && !sample.choice.diffuse)
+    search.Try(
+        "the lights of the least of these", search.lowest.scene,
+        Rough(search.lowest) ? model::DiffuseModel::kLambert : model::DiffuseModel::kOrenNayar);
+  ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
+  if (sample.choice.lights)
+    ladder.push_back({"lights",
+                      static_cast<int>(search.best.scene.lights.size()) == *sample.choice.lights,
+                      Format("%d were asked for, %zu could be fitted", *sample.choice.lights,
+                             search.best.scene.lights.size())});
+  return std::move(search.best);
+}
+
+Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
+                        std::vector<model::Rung>& ladder) {
+  if (sample.choice.diffuse) {
+    ladder.push_back({"oren-nayar", Rough(candidate), "as asked for"});
+    return candidate;
+  }
+  if (!Rough(candidate) && NothingLeft(candidate.excess, sample)) {
+    ladder.push_back({"oren-nayar", false,
+                      Format("with Lambert the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
+    return candidate;
+  }
+  const auto with = [&](model::DiffuseModel model) {
+    return Eliminate(sample, model == candidate.scene.reflectance.diffuse_model
+                                 ? candidate
+                                 : WithDiffuse(candidate, model));
+  };
+  Candidate smooth = with(model::DiffuseModel::kLambert),
+            rough = with(model::DiffuseModel::kOrenNayar);
+  const bool accepted = Better(sample, rough, smooth);
+  ladder.push_back(
+      {"oren-nayar", accepted,
+       Format("excess variance %.3g with Lambert and %zu lights, %.3g with Oren-Nayar and %zu; "
+              "rough from a ratio of %.2f, each light saved is worth %.0f",
+              smooth.excess, smooth.scene.lights.size(), rough.excess, rough.scene.lights.size(),
+              kRoughRatio, kRatioPerLight)});
+  return accepted ? rough : smooth;
+}
+
+Candidate ChooseLobe(const Sample& sample, const Candidate& candidate,
+                     std::vector<model::Rung>& ladder) {
+  if (sample.choice.specular) {
+    const bool half_vector = *sample.choice.specular == model::SpecularModel::kBlinnPhong;
+    ladder.push_back({"blinn-phong", half_vector, "as asked for"});
+    return candidate;
+  }
+  if (NothingLeft(candidate.excess, sample)) {
+    ladder.push_back({"blinn-phong", false,
+                      Format("with Phong the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
+    return candidate;
+  }
+  Candidate other = Eliminate(sample, WithLobe(candidate, model::SpecularModel::kBlinnPhong));
+  const bool fewer = other.scene.lights.size() <= candidate.scene.lights.size();
+  const bool accepted = fewer && other.excess * kHalfVectorRatio < candidate.excess;
+  ladder.push_back({"blinn-phong", accepted,
+                    Format("excess variance %.3g with Phong, %.3g with Blinn-Phong; it counts from "
+                           "a ratio of %.2f",
+                           candidate.excess, other.excess, kHalfVectorRatio)});
+  return accepted ? other : candidate;
+}
+
+}  // namespace turnlight::estimator::start

@@ -1,0 +1,29 @@
+// The start without a hint: how many lights, about where, and which reflectance they are seen on.
+#pragma once
+
+#include <vector>
+
+#include "estimator/model/rung.h"
+#include "estimator/observe/intensity_map.h"
+#include "estimator/start/candidate.h"
+
+namespace turnlight::estimator::start {
+
+// From the intensity map's clusters; if they and what they miss do not explain the pictures, also
+// with Oren-Nayar, from an over-complete lattice of lights, and from the lights of what left the
+// least with the other diffuse model. Each is fitted and thinned out, and the best stays: more
+// lights must make the excess variance three times smaller, each of them where the diffuse models
+// differ; Oren-Nayar 1.25 times.
+Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>& clusters,
+                     std::vector<model::Rung>& ladder);
+
+// Lambert or Oren-Nayar for these lights, by the same rule.
+Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
+                        std::vector<model::Rung>& ladder);
+
+// Phong or Blinn-Phong for these lights: Blinn-Phong only if it makes the excess variance 1.25
+// times smaller.
+Candidate ChooseLobe(const Sample& sample, const Candidate& candidate,
+                     std::vector<model::Rung>& ladder);
+
+}  // namespace turnlight::estimator::start

@@ -1,0 +1,76 @@
+#include "estimator/start/merge_lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angles.h"
+
+namespace turnlight::estimator::start {
+namespace {
+
+constexpr double kMergeLimitDeg = 15.0;     // of the angle between two lights of any lobe
+constexpr double kNoLobeMergeDeg = 25.0;    // where diffuse shading alone tells them apart
+constexpr double kNegligibleShare = 0.005;  // of all lights' intensity
+
+// Two lights as one: intensities add, the rest is their weighted mean.
+model::Light Merged(const model::Light& a, const model::Light& b) {
+  const double sum = std::max(a.intensity + b.intensity, 1e-300);
+  const double share = a.intensity / sum;
+  model::Light out = a;
+  out.direction = (share * a.direction + (1.0 - share) * b.direction).normalized();
+  out.inverse_distance = share * a.inverse_distance + (1.0 - share) * b.inverse_distance;
+  out.intensity = a.intensity + b.intensity;
+  return out;
+}
+
+double MergeAngle(const model::Reflectance& r) {
+  const bool lobe =
+      r.specular > 1e-3 * r.diffuse && r.specular_model != model::SpecularModel::kNone;
+  if (!lobe) return DegToRad(kNoLobeMergeDeg);
+  return std::min(0.6 * model::LobeHalfWidth(r.shininess), DegToRad(kMergeLimitDeg));
+}
+
+// Merges the closest pair within the angle and removes the negligible, down to `least` lights.
+// False if nothing changed.
+bool MergeAndPrune(model::Scene& scene, std::size_t least) {
+  std::vector<model::Light>& lights = scene.lights;
+  const std::size_t before = lights.size();
+  double total = 0.0;
+  for (const model::Light& light : lights) total += light.intensity;
+  std::erase_if(lights, [&](const model::Light& l) {
+    return lights.size() > least && l.intensity < kNegligibleShare * total;
+  });
+  const double cosine = std::cos(MergeAngle(scene.reflectance));
+  for (bool merged = true; merged && lights.size() > least;) {
+    merged = false;
+    std::size_t a = 0, b = 0;
+    double closest = cosine;
+    for (std::size_t i = 0; i < lights.size(); ++i)
+      for (std::size_t j = i + 1; j < lights.size(); ++j)
+        if (lights[i].direction.dot(lights[j].direction) > closest) {
+          closest = lights[i].direction.dot(lights[j].direction);
+          a = i;
+          b = j;
+          merged = true;
+        }
+    if (!merged) break;
+    lights[a] = Merged(lights[a], lights[b]);
+    lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+  return lights.size() != before;
+}
+
+}  // namespace
+
+Candidate FitAndMerge(const Sample& sample, const model::Scene& start) {
+  Candidate best = FitStart(sample, start);
+  const auto least = static_cast<std::size_t>(sample.choice.lights.value_or(1));
+  for (int round = 0; round < 6; ++round) {
+    Candidate merged = best;
+    if (!MergeAndPrune(merged.scene, least) || merged.scene.lights.empty()) break;
+    best = Refit(sample, merged, 20, sample.noise, kToCompare);
+  }
+  return best;
+}
+
+}  // namespace turnlight::estimator::start

@@ -1,0 +1,149 @@
+#include "estimator/uncertainty/residual_splits.h"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+#include "base/statistics.h"
+#include "estimator/solve/kernel/tile_kernel.h"
+#include "estimator/solve/prediction.h"
+
+namespace turnlight::estimator::uncertainty {
+namespace {
+
+float Grey(const solve::Prediction& model, std::size_t i) {
+  float sum = 0.0f;
+  for (const auto& channel : model) sum += channel[i];
+  return sum;
+}
+
+constexpr std::size_t kPlaces = 32;    // from the target's top to its bottom
+constexpr double kNearEdge = 4.0;      // half footprints
+constexpr double kHardlyRough = 1e-3;  // radians
+
+// The gradient of the observations whose value is below the median over all that are used.
+Eigen::VectorXd GradientOfLower(const observe::Observations& all, const solve::Solution& solution,
+                                const std::function<float(std::size_t)>& value) {
+  const solve::Plane& usable = solution.evaluate.shadows.usable;
+  const auto used = [&](std::size_t i) {
+    return all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0);
+  };
+  std::vector<float> values;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i)) values.push_back(value(i));
+  if (values.empty()) return Eigen::VectorXd::Zero(solution.equations.gradient.size());
+  const float middle = Median(values);
+  auto half = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i) && value(i) < middle) (*half)[i] = 1;
+  solve::EvaluateOptions options = solution.evaluate;
+  options.gradient_only = true;
+  options.shadows.usable = std::move(half);
+  return solve::Evaluate(all, solution.scene, options).gradient;
+}
+
+// Of the observations that are used, those near an attached shadow's edge.
+solve::NormalEquations EdgesAlone(const observe::Observations& all,
+                                  const solve::Solution& solution) {
+  const solve::Plane& usable = solution.evaluate.shadows.usable;
+  const solve::Plane away = solve::AwayFromTerminators(all, solution.scene.lights, kNearEdge);
+  auto edges = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (*edges)[i] = (*away)[i] == 0 && (!usable || (*usable)[i] != 0) ? 1 : 0;
+  solve::EvaluateOptions options = solution.evaluate;
+  options.shadows.usable = std::move(edges);
+  return solve::Evaluate(all, solution.scene, options);
+}
+
+solve::NormalEquations WithAlternatives(const observe::Observations& all,
+                                        const solve::Solution& solution) {
+  model::Scene scene = solution.scene;
+  if (scene.reflectance.diffuse_model == model::DiffuseModel::kLambert) {
+    scene.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
+    scene.reflectance.roughness = kHardlyRough;
+  }
+  return solve::Evaluate(all, scene, solution.evaluate);
+}
+
+// From pixels this far apart in a row: what a sensor's interpolation spreads is nearer, and most
+// patterns reach further.
+double Texture(const observe::Observations& all, const solve::Prediction& model,
+               const solve::Plane& usable) {
+  constexpr std::size_t kApart = 3;
+  constexpr double kSigmas = 4.0;
+  constexpr double kLeast = 1e-3;  // less is in any picture: quantisation
+  double common = 0.0, squares = 0.0, radiance = 0.0;
+  for (std::size_t i = 0; i + kApart < all.size(); ++i) {
+    const std::size_t j = i + kApart;
+    if (all.pixel[i] == observe::Observations::kNoPixel || all.pixel[j] != all.pixel[i] + kApart)
+      continue;
+    if (usable && ((*usable)[i] == 0 || (*usable)[j] == 0)) continue;
+    for (std::size_t c = 0; c < model.size(); ++c) {
+      const auto residual = [&](std::size_t k) {
+        return static_cast<double>(all.radiance[c][k]) - static_cast<double>(model[c][k]);
+      };
+      const double product = residual(i) * residual(j);
+      common += product;
+      squares += product * product;
+      radiance += static_cast<double>(model[c][i]) * static_cast<double>(model[c][j]);
+    }
+  }
+  if (!(radiance > 0.0) || !(common > kSigmas * std::sqrt(squares))) return 0.0;
+  const double texture = std::sqrt(common / radiance);
+  return texture >= kLeast ? texture : 0.0;
+}
+
+}  // namespace
+
+ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Solution& solution) {
+  ResidualSplits out;
+  out.clusters = solve::TileGradients(all, solution.scene, solution.evaluate);
+  const Eigen::MatrixXd& tiles = out.clusters;
+  const std::size_t views = all.tile_begin.size() - 1;
+  if (views > 1) {
+    out.places = Eigen::MatrixXd::Zero(tiles.rows(), kPlaces);
+    for (std::size_t k = 0; k < views; ++k) {
+      const std::size_t begin = all.tile_begin[k], count = all.tile_begin[k + 1] - begin;
+      for (std::size_t t = 0; t < count; ++t)
+        out.places.col(static_cast<Eigen::Index>(t * kPlaces / count)) +=
+            tiles.col(static_cast<Eigen::Index>(begin + t));
+    }
+  }
+  const auto of_views = [&](const std::function<bool(std::size_t)>& chosen) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(tiles.rows());
+    for (std::size_t k = 0; k < views; ++k)
+      if (chosen(k))
+        for (std::size_t t = all.tile_begin[k]; t < all.tile_begin[k + 1]; ++t)
+          sum += tiles.col(static_cast<Eigen::Index>(t));
+    return sum;
+  };
+  if (views > 1) {
+    out.halves.push_back(of_views([](std::size_t k) { return k % 2 == 0; }));
+  }
+  if (views > 2) out.halves.push_back(of_views([&](std::size_t k) { return 2 * k < views; }));
+  const auto dot = [&](std::size_t i) {
+    return all.normal[0][i] * all.mirrored[0][i] + all.normal[1][i] * all.mirrored[1][i] +
+           all.normal[2][i] * all.mirrored[2][i];
+  };
+  out.halves.push_back(GradientOfLower(all, solution, dot));
+  // By the model's brightness: by the observed one, noise would choose the half.
+  const auto model = solve::Predict(all, solution.scene, solution.evaluate);
+  out.halves.push_back(
+      GradientOfLower(all, solution, [&](std::size_t i) { return Grey(model, i); }));
+  for (int k = 0; k < 3; ++k)
+    out.halves.push_back(GradientOfLower(
+        all, solution, [&](std::size_t i) { return all.normal[static_cast<std::size_t>(k)][i]; }));
+
+  solve::EvaluateOptions finer = solution.evaluate;
+  finer.gradient_only = true;
+  for (std::uint8_t& s : finer.samples_per_side)
+    s = static_cast<std::uint8_t>(2 * s <= solve::kernel::kMaxSamples ? 2 * s : s / 2);
+  out.finer = solve::Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
+  out.texture = Texture(all, model, solution.evaluate.shadows.usable);
+  out.edges = EdgesAlone(all, solution);
+  out.alternatives = WithAlternatives(all, solution);
+  out.unmodelled = TryUnmodelled(all, solution);
+  return out;
+}
+
+}  // namespace turnlight::estimator::uncertainty

@@ -1,0 +1,53 @@
+#include "estimator/uncertainty/score_test.h"
+
+#include <cmath>
+
+namespace turnlight::estimator::uncertainty {
+
+void AddTimes(double factor, const solve::Prediction& what, solve::Prediction& to) {
+  for (std::size_t c = 0; c < to.size(); ++c)
+    for (std::size_t i = 0; i < to[c].size(); ++i)
+      to[c][i] += static_cast<float>(factor) * what[c][i];
+}
+
+EffectProbe::EffectProbe(const observe::Observations& pixels, const model::Scene& scene,
+                         const solve::EvaluateOptions& options)
+    : pixels_(pixels),
+      scene_(scene),
+      squares_(options),
+      model_(solve::Predict(pixels, scene, options)),
+      weight_(pixels.size(), 0.0f) {
+  squares_.huber = 0.0;
+  squares_.gradient_only = true;
+  gradient_ = solve::Evaluate(pixels, scene, squares_).gradient;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
+    double square = 0.0;
+    for (std::size_t c = 0; c < model_.size(); ++c)
+      square += std::pow(
+          static_cast<double>(model_[c][i]) - static_cast<double>(pixels.radiance[c][i]), 2);
+    const double rms = std::sqrt(square / static_cast<double>(model_.size()));
+    const bool far = options.huber > 0.0 && rms > options.huber;
+    weight_[i] = far ? static_cast<float>(options.huber / rms) : 1.0f;
+  }
+}
+
+Effect EffectProbe::Of(const solve::Prediction& change, double times) const {
+  Effect out;
+  observe::Observations other = pixels_;  // whose residuals are larger by the change
+  for (std::size_t c = 0; c < model_.size(); ++c)
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const double by = static_cast<double>(change[c][i]), weight = static_cast<double>(weight_[i]);
+      out.slope +=
+          weight * by *
+          (static_cast<double>(model_[c][i]) - static_cast<double>(pixels_.radiance[c][i]));
+      out.curvature += weight * by * by;
+      other.radiance[c][i] -= static_cast<float>(weight * by);
+    }
+  out.mixed = times * (solve::Evaluate(other, scene_, squares_).gradient - gradient_);
+  out.slope *= times;
+  out.curvature *= times * times;
+  return out;
+}
+
+}  // namespace turnlight::estimator::uncertainty

@@ -1,0 +1,224 @@
+#include "estimator/uncertainty/uncertainty.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "estimator/model/tangent_basis.h"
+#include "estimator/solve/coordinates.h"
+#include "estimator/solve/evaluate_options.h"
+#include "estimator/solve/unit_diagonal.h"
+#include "estimator/uncertainty/uncertainty_parts.h"
+
+namespace turnlight::estimator::uncertainty {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+// Eigenvalues of the column-scaled matrix below this share of the largest are rounding: the data
+// say nothing about that direction.
+constexpr double kNullShare = 1e-11;
+constexpr double kWeakShare = 1e-7;
+// The columns that count as unknowns: all that are not held. What ended at a bound could be on this
+// side of it.
+std::vector<int> Unknowns(const solve::Solution& solution, const solve::Columns& columns) {
+  std::vector<int> unknowns;
+  for (int column = 0; column < columns.count(); ++column) {
+    const bool nowhere =
+        column == columns.LogShininess() && !(solution.scene.reflectance.specular > 0.0);
+    if (!solution.held[static_cast<std::size_t>(column)] && !nowhere) unknowns.push_back(column);
+  }
+  return unknowns;
+}
+
+std::string ColumnName(const solve::Columns& columns, int column) {
+  static const char* const kColours[] = {"red", "green", "blue"};
+  if (column < columns.channels) return std::string("albedo ") + kColours[column];
+  if (column == columns.Ambient()) return "ambient";
+  if (column == columns.Diffuse()) return "diffuse";
+  if (column == columns.Specular()) return "specular";
+  if (column == columns.LogShininess()) return "shininess";
+  if (column == columns.RoughnessSquared()) return "roughness";
+  const int light = (column - columns.Intensity(0)) / 4;
+  const char* const what[] = {"intensity", "direction", "direction", "distance"};
+  return std::string(what[(column - columns.Intensity(0)) % 4]) + " of light " +
+         std::to_string(light + 1);
+}
+
+std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unknowns,
+                   const solve::Columns& columns) {
+  std::string text;
+  for (Eigen::Index i = 0; i < direction.size(); ++i)
+    if (std::abs(direction[i]) > 0.3) {
+      const std::string name = ColumnName(columns, unknowns[static_cast<std::size_t>(i)]);
+      if (text.find(name) == std::string::npos) text += (text.empty() ? "" : " against ") + name;
+    }
+  return text;
+}
+
+Covariance Invert(const solve::Solution& solution, const observe::Observations& observations,
+                  const solve::Columns& columns, double views_per_distinct) {
+  Covariance out;
+  out.unknowns = Unknowns(solution, columns);
+  const auto n = static_cast<Eigen::Index>(out.unknowns.size());
+  Eigen::VectorXd scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int column = out.unknowns[static_cast<std::size_t>(i)];
+    scale[i] = std::sqrt(std::max(solution.equations.hessian(column, column), 0.0));
+  }
+  out.undetermined.assign(static_cast<std::size_t>(n), false);
+  out.matrix = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd scaled(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double s = scale[i] * scale[j];
+      scaled(i, j) = s > 0.0
+                         ? solution.equations.hessian(out.unknowns[static_cast<std::size_t>(i)],
+                                                      out.unknowns[static_cast<std::size_t>(j)]) /
+                               s
+                         : 0.0;
+    }
+  if (n == 0) return out;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  const double values = solve::ValueCount(observations, solution.evaluate);
+  const double variance = views_per_distinct * 2.0 * solution.equations.cost /
+                          std::max(values - static_cast<double>(n), 1.0);
+  out.variance = variance;
+  double smallest = largest;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double value = eigen.eigenvalues()[k];
+    const Eigen::VectorXd vector = eigen.eigenvectors().col(k);
+    if (value < kWeakShare * largest) out.weak.push_back(NameOf(vector, out.unknowns, columns));
+    if (!(value > kNullShare * largest)) {
+      for (Eigen::Index i = 0; i < n; ++i)
+        if (std::abs(vector[i]) > 1e-3) out.undetermined[static_cast<std::size_t>(i)] = true;
+      continue;
+    }
+    smallest = std::min(smallest, value);
+    out.matrix += variance / value * (vector * vector.transpose());
+  }
+  out.condition = largest / smallest;
+  const Eigen::VectorXd inverse = solve::InverseOrZero(scale);
+  out.matrix = inverse.asDiagonal() * out.matrix * inverse.asDiagonal();
+  return out;
+}
+
+// The reported quantities as one vector, directions by their tangent coordinates at the solution.
+
+Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
+  const auto lights = static_cast<Eigen::Index>(reported.lights.size());
+  Eigen::VectorXd out(kPerLight * lights + kShared);
+  for (Eigen::Index l = 0; l < lights; ++l) {
+    const ReportedLight& light = reported.lights[static_cast<std::size_t>(l)];
+    const Eigen::Vector3d& u = light.light.direction;
+    const double rho = light.light.inverse_distance;
+    const double rho_at = at.lights[static_cast<std::size_t>(l)].light.inverse_distance;
+    const double safe = rho_at > 0.0 ? rho : 1.0;
+    out.segment(kPerLight * l, kPerLight)
+        << model::TangentBasis(at.lights[static_cast<std::size_t>(l)].light.direction).transpose() *
+               u,
+        rho, light.light.intensity, light.diffuse_product, light.specular_product, u / safe,
+        1.0 / safe, light.inverse_distance_at_reference;
+  }
+  const model::Reflectance& r = reported.reflectance;
+  out.tail(kShared) << r.albedo, r.ambient, r.diffuse, r.specular, r.shininess, r.roughness,
+      reported.ambient_product;
+  return out;
+}
+
+double LargerEigenvalue(const Eigen::Matrix2d& m) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues().maxCoeff();
+}
+
+Carried CarryOver(const solve::Solution& solution, const observe::Observations& observations,
+                  const std::vector<std::size_t>& order, const solve::Columns& columns,
+                  const Covariance& covariance, const std::optional<model::Scene>& straightened) {
+  const Reported at = Report(solution.scene, observations, order);
+  const Eigen::VectorXd values = Flatten(at, at);
+  const auto n = static_cast<Eigen::Index>(covariance.unknowns.size());
+  Carried out{values,
+              Eigen::MatrixXd::Zero(values.size(), n),
+              std::vector<bool>(static_cast<std::size_t>(values.size()), false),
+              {}};
+  if (straightened)
+    out.straightened = Flatten(Report(*straightened, observations, order), at) - values;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int column = covariance.unknowns[static_cast<std::size_t>(i)];
+    const bool undetermined = covariance.undetermined[static_cast<std::size_t>(i)];
+    const double sigma = std::sqrt(covariance.matrix(i, i));
+    const double step = undetermined || !(sigma > 0.0) ? 1e-6 : std::min(1e-3 * sigma, 1e-4);
+    const auto moved = [&](double by) {
+      const Eigen::VectorXd by_column = by * Eigen::VectorXd::Unit(columns.count(), column);
+      return Flatten(Report(solve::Moved(solution.scene, columns, by_column), observations, order),
+                     at);
+    };
+    out.jacobian.col(i) = (moved(step) - moved(-step)) / (2.0 * step);
+    if (undetermined)
+      for (Eigen::Index q = 0; q < values.size(); ++q)
+        if (std::abs(out.jacobian(q, i)) > 1e-6 * std::abs(values[q]))
+          out.unknown[static_cast<std::size_t>(q)] = true;
+  }
+  return out;
+}
+
+Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& unknown,
+                      std::size_t lights) {
+  const auto is_unknown = [&](Eigen::Index q) { return unknown[static_cast<std::size_t>(q)]; };
+  const auto sigma = [&](Eigen::Index q) {
+    return is_unknown(q) ? kUnknown : std::sqrt(std::max(result(q, q), 0.0));
+  };
+  const auto sigma3 = [&](Eigen::Index q) {
+    return Eigen::Vector3d(sigma(q), sigma(q + 1), sigma(q + 2));
+  };
+  Uncertainty out;
+  for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(lights); ++l) {
+    const Eigen::Index q = kPerLight * l;
+    LightSigma& light = out.lights.emplace_back();
+    light.direction = is_unknown(q) || is_unknown(q + 1)
+                          ? kUnknown
+                          : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
+    light.inverse_distance = sigma(q + 2);
+    light.intensity = sigma(q + 3);
+    light.diffuse_product = sigma3(q + 4);
+    light.specular_product = sigma(q + 7);
+    light.position_covariance = result.block<3, 3>(q + 8, q + 8);
+    light.distance = sigma(q + 11);
+    light.inverse_distance_at_reference = sigma(q + 12);
+  }
+  const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(lights);
+  out.albedo = sigma3(s);
+  out.ambient = sigma(s + 3);
+  out.diffuse = sigma(s + 4);
+  out.specular = sigma(s + 5);
+  out.shininess = sigma(s + 6);
+  out.roughness = sigma(s + 7);
+  out.ambient_product = sigma3(s + 8);
+  return out;
+}
+
+}  // namespace
+
+Uncertainties EstimateUncertainty(const solve::Solution& solution,
+                                  const observe::Observations& observations,
+                                  const std::vector<std::size_t>& order, double views_per_distinct,
+                                  const ResidualSplits& splits) {
+  const solve::Columns columns{observations.channels,
+                               static_cast<int>(solution.scene.lights.size())};
+  const Covariance covariance = Invert(solution, observations, columns, views_per_distinct);
+  const Carried carried =
+      CarryOver(solution, observations, order, columns, covariance, splits.unmodelled.straightened);
+  const Parts parts = PartsOf(solution, columns, splits, covariance, carried, views_per_distinct);
+  Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
+                    Unflatten(parts.stat, carried.unknown, order.size())};
+  for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
+    uncertainty->condition = covariance.condition;
+    uncertainty->weak = covariance.weak;
+    uncertainty->weak.insert(uncertainty->weak.end(), parts.weak.begin(), parts.weak.end());
+  }
+  return out;
+}
+
+}  // namespace turnlight::estimator::uncertainty

@@ -1,0 +1,62 @@
+// From the normal equations at a solution to standard deviations of what is reported.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "estimator/model/scene.h"
+#include "estimator/observe/observations.h"
+#include "estimator/solve/solver.h"
+#include "estimator/uncertainty/reported.h"
+#include "estimator/uncertainty/residual_splits.h"
+
+namespace turnlight::estimator::uncertainty {
+
+// Standard deviations of the same quantities; NaN where the data do not determine one.
+struct LightSigma {
+  double direction =
+      0.0;  // radians: square root of the larger eigenvalue of the tangent covariance
+  double inverse_distance = 0.0;
+  double intensity = 0.0;
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();  // meaningful for rho > 0
+  double distance = 0.0;
+  double inverse_distance_at_reference = 0.0;  // 1/R
+  Eigen::Vector3d diffuse_product = Eigen::Vector3d::Zero();
+  double specular_product = 0.0;
+};
+struct Uncertainty {
+  std::vector<LightSigma> lights;
+  Eigen::Vector3d albedo = Eigen::Vector3d::Zero();
+  double ambient = 0.0, diffuse = 0.0, specular = 0.0, shininess = 0.0, roughness = 0.0;
+  Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();
+  double condition = 0.0;         // of the column-scaled normal equations, free columns
+  std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
+};
+
+// sigma_total^2 = sigma_stat^2 + sigma_model^2.
+struct Uncertainties {
+  Uncertainty total, stat;
+};
+
+// Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and
+// H^-1 (sum g g^T) H^-1 over the gradients g of tiles of neighbouring pixels (Huber's "sandwich",
+// clustered), which is larger where neighbours' residuals go together, or those of one place in the
+// pictures; each as far as it is beyond chance.
+// Model: for each split of the observations in two halves, half the difference d of what they ask
+// for, to first order; it counts as far as it is more than noise: all parameters together (chi
+// squared, 4 sigma), or a quantity by itself (3 sigma); and twice, for both halves have errors in
+// common. Besides, the change when footprints are sampled twice as finely; when a near light's
+// falloff is averaged over the pixels; when pixels near attached shadows' edges are left out; and
+// when what was left out of the model, but is there beyond noise, is let in: roughness, the inverse
+// distance of a light held to be distant, and what unmodelled.h tries. Texture is in the diffuse
+// and ambient values. Squares add up. Carried to the reported quantities by their
+// derivatives (central differences). What ended at a bound counts as free, so that a light that
+// looks distant still has a sigma. splits: of this solution. views_per_distinct: what repeats tells
+// nothing new, and covariances are as much larger.
+Uncertainties EstimateUncertainty(const solve::Solution& solution,
+                                  const observe::Observations& observations,
+                                  const std::vector<std::size_t>& order, double views_per_distinct,
+                                  const ResidualSplits& splits);
+
+}  // namespace turnlight::estimator::uncertainty

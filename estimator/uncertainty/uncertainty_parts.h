@@ -1,0 +1,49 @@
+// What a sigma is made of: statistics, and what the model may have wrong. Internal to
+// uncertainty.h, which says how the parts are defined.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/solve/solver.h"
+#include "estimator/uncertainty/residual_splits.h"
+
+namespace turnlight::estimator::uncertainty {
+
+// Inverse of the information matrix over the unknowns; columns that are not determined are NaN.
+struct Covariance {
+  std::vector<int> unknowns;
+  Eigen::MatrixXd matrix;
+  std::vector<bool> undetermined;
+  double condition = 0.0;
+  std::vector<std::string> weak;
+  double variance = 0.0;  // of a value; matrix is this times H^-1
+};
+
+// The reported quantities as one vector: a light's 13 (two tangent coordinates of its direction,
+// rho, intensity, diffuse product (3), specular product, position (3), distance, rho about the
+// reference), for each light; then albedo (3), ambient, diffuse, specular, shininess, roughness,
+// ambient product (3).
+inline constexpr Eigen::Index kPerLight = 13, kShared = 11, kDiffuseProduct = 4;
+
+// Derivatives of the reported quantities by the unknowns, and which depend on what is undetermined.
+struct Carried {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd jacobian;
+  std::vector<bool> unknown;
+  Eigen::VectorXd straightened;  // what a large tilt of the normals changes; empty: there is none
+};
+
+// Covariances of the reported quantities.
+struct Parts {
+  Eigen::MatrixXd stat, model;
+  std::vector<std::string> weak;  // what the model left out and the data do not decide
+};
+
+Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
+              const ResidualSplits& splits, const Covariance& covariance, const Carried& carried,
+              double views_per_distinct);
+
+}  // namespace turnlight::estimator::uncertainty

@@ -1,0 +1,420 @@
+// Proves: the kernel's residuals, gradient and Gauss-Newton matrix are those of the scene model, by
+// automatic differentiation of an independent formula (Ceres Jets), by finite differences where the
+// footprint is sampled, and by the closed-form Shade(); the float kernel agrees with the double
+// one; every instruction set and number of threads gives the same bits. Does not prove: that the
+// model is right (the render checks do), nor anything at pixels within 1e-3 of a terminator, where
+// the model itself has a kink.
+#include "estimator/solve/normal_equations.h"
+
+#include <ceres/jet.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "estimator/model/tangent_basis.h"
+#include "estimator/solve/coordinates.h"
+#include "estimator/solve/footprints.h"
+#include "estimator/solve/kernel/tile_kernel.h"
+#include "estimator/solve/prediction.h"
+#include "tests/estimator/random_observations.h"
+
+namespace turnlight::estimator::solve {
+namespace {
+
+constexpr int kLights = 2;
+constexpr int kColumns = 3 + 5 + 4 * kLights;
+using Jet = ceres::Jet<double, kColumns>;
+using JetVector = Eigen::Matrix<Jet, 3, 1>;
+
+model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
+                         model::DiffuseModel diffuse) {
+  const RandomStream random(seed, 1);
+  model::Scene scene;
+  for (int l = 0; l < kLights; ++l) {
+    model::Light light;
+    light.direction = RandomUnit(random, 100 + static_cast<std::uint64_t>(l));
+    light.direction.z() = std::abs(light.direction.z());
+    light.inverse_distance = random.Uniform(10 + static_cast<std::uint64_t>(l), 0.0, 0.5);
+    light.intensity = random.Uniform(20 + static_cast<std::uint64_t>(l), 0.3, 1.0);
+    scene.lights.push_back(light);
+  }
+  model::Reflectance& r = scene.reflectance;
+  r.albedo = {random.Uniform(30), random.Uniform(31), random.Uniform(32)};
+  r.ambient = random.Uniform(33, 0.0, 0.3);
+  r.diffuse = random.Uniform(34, 0.2, 1.0);
+  r.specular = random.Uniform(35, 0.1, 0.6);
+  r.shininess = std::exp(random.Uniform(36, std::log(2.0), std::log(300.0)));
+  r.specular_model = specular;
+  r.diffuse_model = diffuse;
+  r.roughness = random.Uniform(37, 0.1, 0.8);
+  return scene;
+}
+
+// The model of one pixel in Jets: columns as in Columns, tangent coordinates at zero.
+std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point) {
+  const Columns columns{3, kLights};
+  const model::Reflectance& r = scene.reflectance;
+  const auto variable = [](double value, int column) { return Jet(value, column); };
+  const Jet ambient = variable(r.ambient, columns.Ambient());
+  const Jet diffuse = variable(r.diffuse, columns.Diffuse());
+  const Jet specular = variable(r.specular, columns.Specular());
+  const Jet shininess = exp(variable(std::log(r.shininess), columns.LogShininess()));
+  const Jet variance = variable(r.roughness * r.roughness, columns.RoughnessSquared());
+  const JetVector n = point.normal.cast<Jet>(), v = point.viewer.cast<Jet>();
+  Jet diffuse_sum(0.0), specular_sum(0.0);
+  for (int l = 0; l < kLights; ++l) {
+    const model::Light& light = scene.lights[static_cast<std::size_t>(l)];
+    const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
+    const Jet t0 = variable(0.0, columns.Tangent(l)), t1 = variable(0.0, columns.Tangent(l) + 1);
+    const Jet rho = variable(light.inverse_distance, columns.InverseDistance(l));
+    const Jet intensity = variable(light.intensity, columns.Intensity(l));
+    JetVector u;
+    for (int k = 0; k < 3; ++k)
+      u[k] =
+          Jet(light.direction[k]) + t0 * basis(k, 0) + t1 * basis(k, 1) - rho * point.position[k];
+    const Jet squared = u.dot(u);
+    const JetVector unit = u / sqrt(squared);
+    const Jet nl = n.dot(unit);
+    if (nl.a <= 0.0) continue;
+    Jet f_d = nl;
+    if (r.diffuse_model == model::DiffuseModel::kOrenNayar) {
+      const Jet a = 1.0 - 0.5 * variance / (variance + 0.33);
+      const Jet b = 0.45 * variance / (variance + 0.09);
+      const Jet nv = n.dot(v);
+      const Jet s = unit.dot(v) - nl * nv;
+      f_d = nl * (a + b * (s.a > 0.0 ? s : Jet(0.0)) / (nl.a > nv.a ? nl : nv));
+    }
+    Jet cosine(0.0);
+    if (r.specular_model == model::SpecularModel::kPhong) cosine = (n * (2.0 * nl) - unit).dot(v);
+    if (r.specular_model == model::SpecularModel::kBlinnPhong) {
+      const JetVector sum = unit + v;
+      cosine = n.dot(sum) / sqrt(sum.dot(sum));
+    }
+    diffuse_sum += intensity / squared * f_d;
+    if (cosine.a > 0.0) specular_sum += intensity / squared * pow(cosine, shininess);
+  }
+  std::array<Jet, 3> model;
+  for (int c = 0; c < 3; ++c)
+    model[static_cast<std::size_t>(c)] =
+        variable(r.albedo[c], columns.Albedo(c)) * (ambient + diffuse * diffuse_sum) +
+        specular * specular_sum;
+  return model;
+}
+
+// Pixels where the model has a kink within 1e-3 are left out.
+bool AtKink(const model::Scene& scene, const RandomPoint& point) {
+  for (const model::Light& light : scene.lights) {
+    const Eigen::Vector3d l =
+        (light.direction - light.inverse_distance * point.position).normalized();
+    const double nl = point.normal.dot(l);
+    const double rv = (2.0 * nl * point.normal - l).dot(point.viewer);
+    if (std::abs(nl) < 1e-3 || std::abs(rv) < 1e-3) return true;
+    // Oren-Nayar's own kinks.
+    const double nv = point.normal.dot(point.viewer);
+    if (std::abs(l.dot(point.viewer) - nl * nv) < 1e-3 || std::abs(nl - nv) < 1e-3) return true;
+  }
+  return false;
+}
+
+void Remove(RandomObservations& all, std::size_t i) {
+  all.observations.pixel[i] = observe::Observations::kNoPixel;
+}
+
+struct Reference {
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(kColumns, kColumns);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(kColumns);
+  double cost = 0.0;
+};
+
+Reference ByJets(RandomObservations& all, const model::Scene& scene) {
+  Reference out;
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    if (AtKink(scene, all.points[i])) {
+      Remove(all, i);
+      continue;
+    }
+    const auto model = JetModel(scene, all.points[i]);
+    for (int c = 0; c < 3; ++c) {
+      const Jet& value = model[static_cast<std::size_t>(c)];
+      const double residual = value.a - static_cast<double>(all.observations.radiance[c][i]);
+      out.cost += 0.5 * residual * residual;
+      out.gradient += residual * value.v;
+      out.hessian += value.v * value.v.transpose();
+    }
+  }
+  return out;
+}
+
+// Differences relative to the columns' own sizes.
+void ExpectSame(const NormalEquations& equations, const Reference& reference, double tolerance) {
+  EXPECT_NEAR(equations.cost, reference.cost, tolerance * reference.cost);
+  const double residual = std::sqrt(2.0 * reference.cost);
+  for (int i = 0; i < kColumns; ++i) {
+    const double size_i = std::sqrt(reference.hessian(i, i)) + 1e-12;
+    EXPECT_NEAR(equations.gradient[i], reference.gradient[i], tolerance * size_i * residual) << i;
+    for (int j = 0; j < kColumns; ++j) {
+      const double size_j = std::sqrt(reference.hessian(j, j)) + 1e-12;
+      EXPECT_NEAR(equations.hessian(i, j), reference.hessian(i, j), tolerance * size_i * size_j)
+          << i << " " << j;
+    }
+  }
+}
+
+// Geometry rounded to float is unit only to 1e-7; cosines (the jets) and chords (the kernel) of it
+// part by that times the shininess. Below a shininess of 1 the slope of the lobe grows without
+// bound towards its edge, and the rounding with it.
+double Rounding(const model::Scene& scene) {
+  const double n = scene.reflectance.shininess;
+  return n < 1.0 ? 1e-4 : 3e-7 * n;
+}
+
+struct Models {
+  model::SpecularModel specular;
+  model::DiffuseModel diffuse;
+};
+class DerivativesTest : public testing::TestWithParam<Models> {};
+
+TEST_P(DerivativesTest, AgreeWithAutodiffAtRandomStates) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    const model::Scene scene = RandomScene(seed, GetParam().specular, GetParam().diffuse);
+    RandomObservations all(300, 3, seed);
+    const Reference reference = ByJets(all, scene);
+    const double rounding = Rounding(scene);
+    ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-6 + rounding);
+    ExpectSame(Evaluate(all.observations, scene, {}), reference, 1e-5 + rounding);
+  }
+}
+
+TEST_P(DerivativesTest, AgreeWithAutodiffNearTheEdges) {
+  for (const double shininess : {0.5, 1.0, 1e4}) {
+    for (const double rho : {0.0, 0.9}) {
+      model::Scene scene = RandomScene(99, GetParam().specular, GetParam().diffuse);
+      scene.reflectance.shininess = shininess;
+      scene.lights[0].inverse_distance = rho;
+      scene.lights[0].direction = Eigen::Vector3d(1.0, 0.2, 1e-3).normalized();  // at the horizon
+      RandomObservations all(600, 3, 5);
+      const Reference reference = ByJets(all, scene);
+      SCOPED_TRACE(testing::Message() << "n " << shininess << " rho " << rho);
+      const double rounding = Rounding(scene);
+      ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-6 + rounding);
+      ExpectSame(Evaluate(all.observations, scene, {}), reference, 1e-5 + rounding);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, DerivativesTest,
+    testing::Values(Models{model::SpecularModel::kPhong, model::DiffuseModel::kLambert},
+                    Models{model::SpecularModel::kBlinnPhong, model::DiffuseModel::kLambert},
+                    Models{model::SpecularModel::kNone, model::DiffuseModel::kLambert},
+                    Models{model::SpecularModel::kPhong, model::DiffuseModel::kOrenNayar}));
+
+// One column of a scene moved by a step, for finite differences.
+model::Scene Moved(const model::Scene& scene, int column, double step) {
+  const Columns columns{3, kLights};
+  model::Scene out = scene;
+  model::Reflectance& r = out.reflectance;
+  if (column < 3) r.albedo[column] += step;
+  if (column == columns.Ambient()) r.ambient += step;
+  if (column == columns.Diffuse()) r.diffuse += step;
+  if (column == columns.Specular()) r.specular += step;
+  if (column == columns.LogShininess()) r.shininess *= std::exp(step);
+  if (column == columns.RoughnessSquared())
+    r.roughness = std::sqrt(r.roughness * r.roughness + step);
+  for (int l = 0; l < kLights; ++l) {
+    model::Light& light = out.lights[static_cast<std::size_t>(l)];
+    const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
+    if (column == columns.Intensity(l)) light.intensity += step;
+    if (column == columns.InverseDistance(l)) light.inverse_distance += step;
+    for (int k = 0; k < 2; ++k)
+      if (column == columns.Tangent(l) + k)
+        light.direction = (light.direction + step * basis.col(k)).normalized();
+  }
+  return out;
+}
+
+// Far points from every kink, so that a finite step crosses none.
+void KeepSmooth(RandomObservations& all, const model::Scene& scene) {
+  for (std::size_t i = 0; i < all.points.size(); ++i)
+    if (AtKink(scene, all.points[i])) Remove(all, i);
+}
+
+TEST(FootprintTest, GradientIsTheSlopeOfTheCost) {
+  for (const model::SpecularModel specular :
+       {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong}) {
+    for (const double huber : {0.0, 0.05}) {
+      const model::Scene scene = RandomScene(3, specular, model::DiffuseModel::kOrenNayar);
+      RandomObservations all(300, 3, 11);
+      KeepSmooth(all, scene);
+      const RandomStream random(4, 4);
+      for (auto& component : all.observations.footprint)
+        for (std::size_t i = 0; i < component.size(); ++i)
+          component[i] = observe::ToBFloat16(static_cast<float>(0.03 * random.Normal(i)));
+      for (std::size_t k = 0; k < 6; ++k)
+        for (std::size_t i = 0; i < all.observations.step[k].size(); ++i)
+          all.observations.step[k][i] =
+              observe::ToBFloat16(static_cast<float>(0.03 * random.Normal(100000 * (k + 1) + i)));
+      EvaluateOptions options;
+      options.samples_per_side.assign(all.observations.tiles(), 3);
+      options.huber = huber;
+      const NormalEquations at = EvaluateDouble(all.observations, scene, options);
+      for (int column = 0; column < kColumns; ++column) {
+        constexpr double kStep = 1e-6;
+        const double up =
+            EvaluateDouble(all.observations, Moved(scene, column, kStep), options).cost;
+        const double down =
+            EvaluateDouble(all.observations, Moved(scene, column, -kStep), options).cost;
+        const double size = std::sqrt(at.hessian(column, column) * 2.0 * at.cost);
+        EXPECT_NEAR(at.gradient[column], (up - down) / (2.0 * kStep), 2e-5 * size + 1e-8) << column;
+      }
+    }
+  }
+}
+
+TEST(FootprintTest, MeanOverTheFootprintOfAWideLobeIsItsCentre) {
+  const model::Scene scene =
+      RandomScene(8, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
+  RandomObservations all(256, 3, 2);
+  EvaluateOptions fine;
+  fine.samples_per_side.assign(all.observations.tiles(), 5);
+  // No footprint stored: every sub-sample is the centre, and the weights sum to one.
+  const double a = EvaluateDouble(all.observations, scene, {}).cost;
+  const double b = EvaluateDouble(all.observations, scene, fine).cost;
+  EXPECT_NEAR(a, b, 1e-6 * a);
+}
+
+TEST(FootprintTest, FinerWhereTheLobeIsNarrow) {
+  observe::Observations observations;
+  observations.tile_footprint = {0.001f, 0.03f, 0.2f};
+  observations.pixel.resize(3 * observe::kTile);
+  const auto wide = FootprintSamples(observations, 10.0);
+  const auto narrow = FootprintSamples(observations, 3000.0);
+  EXPECT_EQ(wide[0], 1);
+  EXPECT_EQ(wide[1], 1);
+  EXPECT_GE(wide[2], 2);
+  EXPECT_EQ(narrow[0], 1);
+  EXPECT_GE(narrow[1], 3);
+  EXPECT_EQ(narrow[2], kernel::kMaxSamples);
+}
+
+TEST(PredictTest, EqualsTheClosedForm) {
+  for (const model::SpecularModel specular :
+       {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong,
+        model::SpecularModel::kNone}) {
+    const model::Scene scene = RandomScene(21, specular, model::DiffuseModel::kOrenNayar);
+    const RandomObservations all(500, 3, 21);
+    const auto model = Predict(all.observations, scene, {});
+    for (std::size_t i = 0; i < all.points.size(); ++i) {
+      const RandomPoint& p = all.points[i];
+      if (AtKink(scene, p)) continue;
+      const Eigen::Vector3d expected = model::Shade(scene, p.position, p.normal, p.viewer);
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(model[static_cast<std::size_t>(c)][i], expected[c], 3e-6);
+    }
+  }
+}
+
+TEST(RepeatabilityTest, SameBitsForAnyNumberOfThreads) {
+  const model::Scene scene =
+      RandomScene(2, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
+  const RandomObservations all(100000, 3, 1);
+  SetThreads(1);
+  const NormalEquations one = Evaluate(all.observations, scene, {});
+  for (const int threads : {2, 7}) {
+    SetThreads(threads);
+    const NormalEquations many = Evaluate(all.observations, scene, {});
+    EXPECT_EQ(one.cost, many.cost);
+    EXPECT_TRUE(one.gradient == many.gradient);
+    EXPECT_TRUE(one.hessian == many.hessian);
+  }
+  SetThreads(0);
+}
+
+TEST(RepeatabilityTest, SameBitsWithoutTheMatrix) {
+  const model::Scene scene =
+      RandomScene(2, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
+  const RandomObservations all(100000, 3, 1);
+  EvaluateOptions options;
+  const NormalEquations full = Evaluate(all.observations, scene, options);
+  options.gradient_only = true;
+  const NormalEquations part = Evaluate(all.observations, scene, options);
+  EXPECT_EQ(full.cost, part.cost);
+  EXPECT_TRUE(full.gradient == part.gradient);
+}
+
+TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
+  const kernel::KernelFunctions* all[3];
+  const int count = kernel::RunnableKernels(all, 3);
+  const RandomObservations random(observe::kTile * 4, 3, 9);
+  const observe::Observations& o = random.observations;
+  const kernel::KernelLight light{{0, 0, 1}, {{1, 0, 0}, {0, 1, 0}}, 0.3, 0.8};
+  kernel::KernelModel model{};
+  model.channels = 3;
+  model.lights = 1;
+  model.light = &light;
+  model.ambient = 0.1, model.diffuse = 0.6, model.specular = 0.4, model.shininess = 37.0;
+  model.specular_model = kernel::Specular::kPhong;
+  for (double& albedo : model.albedo) albedo = 0.7;
+  model.l11 = 1.2, model.l21 = 1.7, model.l22 = 0.3;
+  kernel::KernelPixels pixels{};
+  for (int k = 0; k < 3; ++k) {
+    pixels.position[k] = o.position[k].data();
+    pixels.normal[k] = o.normal[k].data();
+    pixels.mirrored[k] = o.mirrored[k].data();
+    pixels.radiance[k] = o.radiance[k].data();
+  }
+  for (int k = 0; k < 6; ++k) {
+    pixels.footprint[k] = o.footprint[k].data();
+    pixels.step[k] = o.step[k].data();
+  }
+  pixels.pixel = o.pixel.data();
+  pixels.tiles = o.tiles();
+  const int n = model.Shared();
+  std::vector<std::vector<double>> results;
+  for (int i = 0; i < count; ++i) {
+    std::vector<float> workspace(kernel::WorkspaceSize(n));
+    auto& values = results.emplace_back(static_cast<std::size_t>(n * n + 3 * n), 0.0);
+    kernel::KernelSums sums{};
+    sums.shared = values.data();
+    sums.gradient = sums.shared + n * n;
+    sums.albedo_a = sums.gradient + n;
+    sums.albedo_b = sums.albedo_a + n;
+    all[i]->accumulate(model, pixels, workspace.data(), sums);
+    values.push_back(sums.cost);
+    EXPECT_EQ(results.front(), values) << all[i]->name;
+  }
+}
+
+TEST(TangentBasisTest, IsOrthonormalAndRightHanded) {
+  const RandomStream random(1, 1);
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const Eigen::Vector3d u = i == 0 ? Eigen::Vector3d(0, 0, -1) : RandomUnit(random, i);
+    Eigen::Matrix3d full;
+    full << u, model::TangentBasis(u);
+    EXPECT_LT((full.transpose() * full - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_NEAR(full.determinant(), 1.0, 1e-14);
+  }
+}
+
+TEST(SceneTest, RecentredLightGivesTheSameRadiance) {
+  model::Scene scene = RandomScene(5, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
+  observe::Observations frame;
+  frame.reference = {0.3, -0.2, 0.5};
+  frame.radius = 2.5;
+  const model::Scene solver = ToSolver(scene, frame);
+  const model::Scene back = ToWorld(solver, frame);
+  const RandomStream random(6, 6);
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const Eigen::Vector3d p = 0.7 * RandomUnit(random, i), n = RandomUnit(random, 1000 + i);
+    const Eigen::Vector3d v = (n + 0.5 * RandomUnit(random, 2000 + i)).normalized();
+    const Eigen::Vector3d expected = model::Shade(scene, p, n, v);
+    EXPECT_LT((model::Shade(solver, (p - frame.reference) / frame.radius, n, v) - expected).norm(),
+              1e-12);
+    EXPECT_LT((model::Shade(back, p, n, v) - expected).norm(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace turnlight::estimator::solve
