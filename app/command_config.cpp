@@ -3,6 +3,7 @@
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/rig_config.h"
 #include "app/run_config.h"
 #include "rig/sim/synthetic_config.h"
 
@@ -14,7 +15,7 @@ Status CheckRun(const std::string& file) {
   if (!config) return Forward(config);
   const auto rig = MakeRig(*config);
   if (!rig) return Forward(rig);
-  const auto graph = BuildGraph(*config, *rig, {});
+  const auto graph = BuildGraph(*config, *rig);
   return graph ? Status() : Forward(graph);
 }
 

@@ -74,7 +74,7 @@ class Camera {
       : config_(std::move(config)), studio_(std::move(studio)) {}
   rig::SyntheticConfig config_;
   rig::Studio studio_;
-  std::vector<rig::Placement> placements_;
+  std::vector<calib::RigPoses> placements_;
   std::vector<estimator::target::Rendering> renderings_;
 };
 

@@ -27,7 +27,7 @@ Result<SeenSurface> SeenSurface::Build(const rig::SyntheticConfig& config) {
   const cv::Size size(config.camera.width, config.camera.height);
   SeenSurface out;
   for (int i = 0; i < config.motion.frames; ++i) {
-    const rig::Placement placement = rig::PlaceAt(config.motion, i * config.motion.step_deg);
+    const calib::RigPoses placement = rig::PlaceAt(config.motion, i * config.motion.step_deg);
     keyframes.push_back({{cv::Mat1f::zeros(size), cv::Mat1b::zeros(size)},
                          cv::Mat1b(size, 255),
                          placement.X_WC,

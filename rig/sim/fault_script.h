@@ -82,11 +82,6 @@ enum class FaultKind {
 
 enum class FaultDevice { kTable, kCamera };
 
-// What a device's call returns when it cannot do its part.
-inline tl::unexpected<Error> DeviceError(std::string text) {
-  return tl::unexpected<Error>(Error{ErrorKind::kDevice, std::move(text)});
-}
-
 // The words of the YAML.
 std::string FaultWord(FaultKind kind);
 std::string FaultWord(FaultDevice device);

@@ -41,48 +41,6 @@ double TrapezoidalProfile::At(double t) const {
   return left > 0.0 ? distance_ - 0.5 * acceleration_ * left * left : distance_;
 }
 
-std::optional<ConfigProblem> Validate(const MockTurntableConfig& config) {
-  ConfigChecker check;
-  check.Require(
-      !config.serial.empty() && config.serial.size() <= 100, "serial",
-      "it has " + std::to_string(config.serial.size()) + " characters, allowed are 1 to 100");
-  check.From("max_speed_deg_s", config.max_speed_deg_s, 1e-3, 1e4);
-  check.From("acceleration_deg_s2", config.acceleration_deg_s2, 1e-3, 1e6);
-  check.Above("steps_per_deg", config.steps_per_deg, 0.0, 1e6);
-  check.From("scale", config.scale, -10.0, 10.0);
-  check.Require(config.scale != 0.0, "scale", "0, allowed is any other number from -10 to 10");
-  check.From("backlash_deg", config.backlash_deg, 0.0, 10.0);
-  check.From("settle_amplitude_deg", config.settle_amplitude_deg, 0.0, 10.0);
-  check.Above("settle_frequency_hz", config.settle_frequency_hz, 0.0, 1e4);
-  check.From("settle_ms", config.settle_ms, 0.0, 60000.0);
-  check.From("home_switch_deg", config.home_switch_deg, -360.0, 360.0);
-  check.From("home_speed_deg_s", config.home_speed_deg_s, 1e-3, 1e4);
-  check.From("power_on_deg", config.power_on_deg, -360.0, 360.0);
-  return check.problem();
-}
-
-Result<MockTurntableConfig> ReadMockTurntableConfig(StrictObject object) {
-  MockTurntableConfig config;
-  ReadField(object, "serial", config.serial);
-  ReadField(object, "max_speed_deg_s", config.max_speed_deg_s);
-  ReadField(object, "acceleration_deg_s2", config.acceleration_deg_s2);
-  ReadField(object, "steps_per_deg", config.steps_per_deg);
-  ReadField(object, "scale", config.scale);
-  ReadField(object, "backlash_deg", config.backlash_deg);
-  ReadField(object, "settle_amplitude_deg", config.settle_amplitude_deg);
-  ReadField(object, "settle_frequency_hz", config.settle_frequency_hz);
-  ReadField(object, "settle_ms", config.settle_ms);
-  if (object.OptionalChoice("feedback", {"open_loop", "encoder"}) == "open_loop")
-    config.feedback = TableFeedback::kOpenLoop;
-  ReadField(object, "home_switch_deg", config.home_switch_deg);
-  ReadField(object, "home_speed_deg_s", config.home_speed_deg_s);
-  ReadField(object, "power_on_deg", config.power_on_deg);
-  if (Status status = object.Finish(); !status) return Forward(status);
-  if (const auto problem = Validate(config))
-    return InputError(object.Where(problem->key) + ": " + problem->text);
-  return config;
-}
-
 // From one rest to the next: a move, a homing, or no motion at all. Steps count from the angle 0 of
 // the controller; true degrees are the platter's.
 struct MockTurntable::Segment {

@@ -81,8 +81,8 @@ void Replace(std::string& text, const std::string& what, const std::string& by) 
 void RunQuickly(std::string& config) {
   Replace(config, "executor: virtual", "executor: wall");
   Replace(config, "max_speed_deg_s: 30, acceleration_deg_s2: 120",
-          "max_speed_deg_s: 1000, acceleration_deg_s2: 10000, home_speed_deg_s: 1000, "
-          "settle_ms: 10");
+          "max_speed_deg_s: 1000, acceleration_deg_s2: 10000, home_speed_deg_s: 1000");
+  Replace(config, "backlash_deg: 0.05", "backlash_deg: 0.05, settle_ms: 10");
   Replace(config, "settle_ms: 300", "settle_ms: 20");
 }
 

@@ -81,50 +81,42 @@ void Expect(const Status& status) {
 
 using Recorder = std::shared_ptr<rig::SessionRecorder>;
 
-Recorder OpenRecorder(const MockRigOptions& options, const MockRigRun& run) {
+Recorder OpenRecorder(const MockRigOptions& options, const rig::RigSetup& setup) {
   if (options.session.empty()) return nullptr;
-  const rig::Studio& studio = run.camera->studio();
-  const auto& lump = std::get<calib::MeshShape>(studio.target);
-  const rig::CaptureSetup setup{
-      .plan = options.plan,
-      .config_text = "a test",
-      .name = "lump",
-      .length_unit = "mm",
-      .camera = studio.camera,
-      .radiometry = studio.radiometry,
-      .bayer = std::nullopt,
-      .target = rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(lump)},
-      .format = {{kColumns, kRows}, 3, CV_16U},
-      .camera_identity = {"turnlight", "mock camera", "1"},
-      .table_identity = {"turnlight", "mock turntable", "1"}};
+  const rig::CaptureSetup capture{.plan = options.plan,
+                                  .config_text = "a test",
+                                  .name = "lump",
+                                  .length_unit = setup.length_unit,
+                                  .camera = setup.known.lens,
+                                  .radiometry = setup.known.radiometry,
+                                  .bayer = setup.camera.bayer,
+                                  .target = setup.target.copy,
+                                  .format = setup.camera.format,
+                                  .camera_identity = "turnlight, mock camera, 1",
+                                  .table_identity = "turnlight, mock turntable, 1"};
   const bool begun = std::filesystem::exists(options.session / rig::kJournalFile);
   return std::make_shared<rig::SessionRecorder>(
-      Expect(begun ? rig::SessionRecorder::Resume(options.session, setup, {}, *options.disk)
-                   : rig::SessionRecorder::Start(options.session, setup, {}, *options.disk)));
+      Expect(begun ? rig::SessionRecorder::Resume(options.session, capture, {}, *options.disk)
+                   : rig::SessionRecorder::Start(options.session, capture, {}, *options.disk)));
 }
 
-// What is created here lives on in the nodes; run must outlive them for the logger's lines.
-graph::NodeRegistry MakeNodes(const MockRigOptions& options, MockRigRun& run,
-                              const Recorder& recorder) {
+// Table and camera of the run, as a capture takes them.
+rig::RigSetup MakeRig(const MockRigOptions& options, const MockRigRun& run) {
   const rig::Studio& studio = run.camera->studio();
+  const auto& lump = std::get<calib::MeshShape>(studio.target);
   std::shared_ptr<rig::Camera> camera = run.camera;
   if (options.wrap_camera) camera = options.wrap_camera(camera);
-  Expect(run.table->Open(rig::DeviceTime(0)));
-  Expect(camera->Open(rig::DeviceTime(0)));
-  return CaptureNodes(
-      {run.table,
-       camera,
-       {options.plan, recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
-        studio.radiometry, options.gate, options.check_arrival, options.settle},
-       studio.camera,
-       rig::SensorNoise{},
-       [mock = run.camera](double angle_deg) {
-         const rig::Placement placed = mock->PlacementAt(angle_deg);
-         return CameraAndTarget{placed.X_WC, placed.X_WT};
-       },
-       studio.target,
-       recorder,
-       [&run](const std::string& line) { run.lines.push_back(line); }});
+  rig::CameraDevice device;
+  device.camera = std::move(camera);
+  device.format = {{kColumns, kRows}, 3, CV_16U};
+  return {.table = {run.table, {}},
+          .camera = std::move(device),
+          .known = {studio.camera, rig::GeometryOf(run.camera->config().scene.motion),
+                    studio.radiometry, rig::SensorNoise{}},
+          .target = {lump, rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(lump)}},
+          .calibration = {},
+          .truth = {},
+          .identity = {}};
 }
 
 // Appends every message of the topic to the list.
@@ -204,9 +196,18 @@ MockRigRun RunMockRig(const MockRigOptions& options) {
   run.faults = std::make_shared<rig::FaultScript>(options.faults);
   run.table = std::make_shared<rig::MockTurntable>(options.table, run.faults);
   run.camera = Expect(rig::MockCamera::Create(SmallCamera(options), run.table, run.faults));
-  const Recorder recorder = OpenRecorder(options, run);
+  rig::RigSetup setup = MakeRig(options, run);
+  Expect(rig::OpenRig(setup));
+  const Recorder recorder = OpenRecorder(options, setup);
+  const auto work = std::make_shared<const CaptureWork>(
+      CaptureWork{recorder ? recorder->Missing() : rig::PlannedFrames(options.plan), recorder,
+                  [&run](const std::string& line) { run.lines.push_back(line); }});
   auto config = Expect(graph::ParseGraphConfig(GraphText(options), "mock_rig.yaml"));
-  auto graph = Expect(graph::Graph::Build(std::move(config), MakeNodes(options, run, recorder)));
+  auto graph = Expect(graph::Graph::Build(
+      std::move(config),
+      CaptureNodes({std::move(setup),
+                    {options.plan, options.gate, options.check_arrival, options.settle},
+                    work})));
   Collect(graph, "keyframes.bracket", run.brackets);
   if (recorder) Collect(graph, "estimator.estimate", run.estimates);
   if (options.before_run) options.before_run(graph);

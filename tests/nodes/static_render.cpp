@@ -15,7 +15,7 @@ constexpr double kWhite = 65535.0;
 
 // In DN; a positive angle turns the target counter-clockwise about W's z axis.
 cv::Mat3f StaticPicture(const rig::Studio& studio, const rig::Motion& motion, double angle_deg) {
-  const rig::Placement start = rig::PlaceAt(motion, 0.0);
+  const calib::RigPoses start = rig::PlaceAt(motion, 0.0);
   calib::Pose X_WT = start.X_WT;
   const Eigen::AngleAxisd turn(angle_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
   X_WT.rotation = turn.toRotationMatrix() * start.X_WT.rotation;

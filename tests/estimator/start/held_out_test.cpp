@@ -11,7 +11,9 @@
 
 #include "base/angles.h"
 #include "estimator/model/initial_guess.h"
+#include "estimator/observe/intensity_map.h"
 #include "estimator/solve/normal_equations.h"
+#include "estimator/start/fit_guess.h"
 #include "tests/estimator/random_observations.h"
 
 namespace turnlight::estimator::start {

@@ -49,7 +49,7 @@ TEST(AwayFromTerminators, LeavesOutExactlyWhatIsNearAnEdge) {
   const std::vector<model::Light> lights = TwoLights(0.3, 0.0).lights;
   std::vector<std::uint8_t> last(all.size(), 1);
   for (const double margin : {0.0, 1.0, 2.0, 4.0}) {
-    const solve::Plane away = solve::AwayFromTerminators(all, lights, margin);
+    const solve::PixelMask away = solve::AwayFromTerminators(all, lights, margin);
     ASSERT_EQ(away->size(), all.size());
     std::size_t near = 0;
     for (std::size_t i = 0; i < random.points.size(); ++i) {
@@ -75,7 +75,7 @@ TEST(AwayFromTerminators, LeavesOutExactlyWhatIsNearAnEdge) {
 
 TEST(AwayFromTerminators, NoLightNoEdge) {
   const RandomObservations random(300, 1, 2);
-  const solve::Plane away = solve::AwayFromTerminators(random.observations, {}, 4.0);
+  const solve::PixelMask away = solve::AwayFromTerminators(random.observations, {}, 4.0);
   EXPECT_EQ(std::count(away->begin(), away->end(), 0), 0);
 }
 
@@ -163,7 +163,7 @@ TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
   const Eigen::VectorXd scale = solution.equations.hessian.diagonal().cwiseSqrt();
   for (Eigen::Index k = 0; k < scale.size(); ++k) {
     EXPECT_LT(std::abs(splits.finer[k]), 1e-4 * scale[k] + 1e-12) << k;
-    EXPECT_LT(std::abs(splits.unmodelled.aperture.mixed[k]), 1e-4 * scale[k] + 1e-12) << k;
+    EXPECT_LT(std::abs(splits.unmodelled.aperture.cross_hessian[k]), 1e-4 * scale[k] + 1e-12) << k;
   }
   EXPECT_EQ(splits.edges.cost, 0.0);
   EXPECT_EQ(splits.edges.gradient.norm(), 0.0);

@@ -68,7 +68,7 @@ TEST(Unmodelled, ALightOfSomeExtentHasItsVariance) {
   solution.held.assign(static_cast<std::size_t>(solve::Columns{3, 2}.count()), false);
   const Unmodelled unmodelled = TryUnmodelled(random.observations, solution);
   ASSERT_EQ(unmodelled.extents.size(), 6u);
-  const Effect& extent = unmodelled.extents[0];
+  const Score& extent = unmodelled.extents[0];
   // To first order: the lobe's fourth derivative is a tenth of it here.
   EXPECT_NEAR(-extent.slope / extent.curvature, kApart * kApart, 0.15 * kApart * kApart);
 }
@@ -90,7 +90,7 @@ TEST(Unmodelled, AnotherApertureIsToldByHowMuch) {
   solve::Solution solution;
   solution.scene = scene;
   solution.held.assign(static_cast<std::size_t>(solve::Columns{3, 2}.count()), false);
-  const Effect aperture = TryUnmodelled(all, solution).aperture;
+  const Score aperture = TryUnmodelled(all, solution).aperture;
   ASSERT_GT(aperture.curvature, 0.0);
   EXPECT_NEAR(-aperture.slope / aperture.curvature, kShare - 1.0, 0.01);
 }
@@ -115,8 +115,8 @@ TEST(NormalErrors, ATiltIsUndoneWithTheLights) {
   const solve::Solution solution = solve::Solve(all, truth, {});
   ASSERT_GT(WorstAngleDeg(solution.scene, truth), 5.0);
   const Unmodelled unmodelled = TryUnmodelled(all, solution);
-  ASSERT_TRUE(unmodelled.straightened.has_value());
-  EXPECT_LT(WorstAngleDeg(*unmodelled.straightened, truth), 0.3);
+  ASSERT_TRUE(unmodelled.tilted_scene.has_value());
+  EXPECT_LT(WorstAngleDeg(*unmodelled.tilted_scene, truth), 0.3);
 }
 
 TEST(NormalErrors, ScatteredNormalsAreToldByHowMuch) {
@@ -144,8 +144,8 @@ TEST(Unmodelled, WhereNothingIsLeftOutNothingIsFound) {
   const solve::Solution solution = solve::Solve(random.observations, truth, {});
   const Unmodelled unmodelled = TryUnmodelled(random.observations, solution);
   EXPECT_EQ(unmodelled.normal_variance, 0.0);
-  EXPECT_FALSE(unmodelled.straightened.has_value());
-  for (const Effect& tilt : unmodelled.tilts)
+  EXPECT_FALSE(unmodelled.tilted_scene.has_value());
+  for (const Score& tilt : unmodelled.tilts)
     EXPECT_LT(std::abs(tilt.slope / tilt.curvature), 1e-3) << "radians, beside noise of 0.002";
 }
 
