@@ -19,9 +19,9 @@ namespace {
 constexpr std::size_t kPixels = 50000;
 constexpr std::size_t kSearchPixels = 10000;
 constexpr double kApertureStep = 0.05;
-constexpr double kNearEdge = 2.0;     // half footprints
-constexpr double kExtentStep = 0.08;  // of the lobe's half-width
-constexpr double kWidestStep = 0.05;  // radians
+constexpr double kNearTerminator = 2.0;  // half footprints
+constexpr double kExtentStep = 0.08;     // of the lobe's half-width
+constexpr double kWidestStep = 0.05;     // radians
 
 void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
                 const solve::EvaluateOptions& options, const ScoreProbe& probe, Unmodelled& out) {
@@ -106,7 +106,7 @@ observe::Observations Sunk(const observe::Observations& all) {
 Eigen::VectorXd AveragedFalloff(const observe::Observations& pixels, const model::Scene& scene,
                                 solve::EvaluateOptions options) {
   // An edge of a shadow is another matter.
-  options.shadows.usable = solve::AwayFromTerminators(pixels, scene.lights, kNearEdge);
+  options.shadows.usable = solve::AwayFromTerminators(pixels, scene.lights, kNearTerminator);
   model::Scene diffuse = scene;
   diffuse.reflectance.specular_model = model::SpecularModel::kNone;
   diffuse.reflectance.specular = 0.0;

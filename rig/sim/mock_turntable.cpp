@@ -22,7 +22,7 @@ DeviceTime RoundUp(double seconds) {
   return DeviceTime(static_cast<std::int64_t>(std::ceil(seconds * 1e9)) + 1);
 }
 
-DeviceTime FromMs(double ms) { return DeviceTime(static_cast<std::int64_t>(ms * 1e6)); }
+DeviceTime TruncatedFromMs(double ms) { return DeviceTime(static_cast<std::int64_t>(ms * 1e6)); }
 
 }  // namespace
 
@@ -176,7 +176,7 @@ Status MockTurntable::CheckLink(DeviceTime now) {
     if (const auto fault = faults_->Strike(FaultKind::kUnplugged, FaultDevice::kTable,
                                            SegmentAt(now).commanded_deg, now)) {
       open_ = false;
-      unplugged_until_ = now + FromMs(fault->amount);
+      unplugged_until_ = now + TruncatedFromMs(fault->amount);
       StopMotor(now, TableMotion::kUnhomed, "not homed since it was plugged in again");
     }
   }
@@ -253,7 +253,7 @@ void MockTurntable::StrikeMove(Segment& segment, DeviceTime now) {
   };
   const std::int64_t all_steps = segment.count_steps;
   if (const auto late = strike(FaultKind::kLateArrival)) {
-    segment.pause = FromMs(late->amount);
+    segment.pause = TruncatedFromMs(late->amount);
     segment.end += segment.pause;
   }
   // A motor that does not turn loses no steps: these wait for a move that is one.
