@@ -1,6 +1,6 @@
-// Proves: there is an estimate from the first keyframe that shows the target on, it gets better with
-// each that comes, it stays when a step fails, and the same calls give the same bits. Does not prove
-// how soon it is good: docs/capture.md has that, measured.
+// Proves: there is an estimate from the first keyframe that shows the target on, it gets better
+// with each that comes, it stays when a step fails, and the same calls give the same bits. Does not
+// prove how soon it is good: docs/capture.md has that, measured.
 #include "estimator/anytime.h"
 
 #include <gtest/gtest.h>

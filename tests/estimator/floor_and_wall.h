@@ -8,8 +8,8 @@
 
 namespace turnlight::estimator {
 
-// The floor is 100 x 100 about the origin, seen from above; the wall stands at y = 20 all across it,
-// 10 high, and faces -y.
+// The floor is 100 x 100 about the origin, seen from above; the wall stands at y = 20 all across
+// it, 10 high, and faces -y.
 inline calib::MeshShape FloorAndWall() {
   calib::MeshShape mesh;
   const auto quad = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b,

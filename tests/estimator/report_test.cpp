@@ -1,6 +1,6 @@
-// Proves: what is reported of a fit is that fit, in W, in the results' gauge, strongest light first,
-// with positions and bounds that follow from inverse distances in closed form, and the rms of its
-// own residuals. Does not prove the sigmas (uncertainty_test, recovery_test).
+// Proves: what is reported of a fit is that fit, in W, in the results' gauge, strongest light
+// first, with positions and bounds that follow from inverse distances in closed form, and the rms
+// of its own residuals. Does not prove the sigmas (uncertainty_test, recovery_test).
 #include "estimator/report.h"
 
 #include <gtest/gtest.h>
@@ -54,8 +54,8 @@ TEST(FillFromFit, IsTheFitInTheResultsGauge) {
     EXPECT_LT((in_fit - in_world).norm(), 1e-12);
   }
   for (const LightEstimate& light : e.lights) {
-    EXPECT_LT((light.diffuse_product - e.reflectance.albedo * e.reflectance.diffuse *
-                                           light.light.intensity)
+    EXPECT_LT((light.diffuse_product -
+               e.reflectance.albedo * e.reflectance.diffuse * light.light.intensity)
                   .norm(),
               1e-15);
     EXPECT_NEAR(light.specular_product, e.reflectance.specular * light.light.intensity, 1e-15);

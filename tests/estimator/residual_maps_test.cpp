@@ -1,5 +1,5 @@
-// Proves: a residual map has the mean over the channels of observed minus model at each pixel of its
-// own view, and no number where nothing was used. Does not prove the model (prediction_test).
+// Proves: a residual map has the mean over the channels of observed minus model at each pixel of
+// its own view, and no number where nothing was used. Does not prove the model (prediction_test).
 #include "estimator/residual_maps.h"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ TEST(ResidualMaps, HoldObservedMinusModel) {
   const solve::Prediction model = solve::Predict(all, scene, {});
   for (std::size_t i = 0; i < 512; ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      all.radiance[c][i] = model[c][i] + 0.001f * static_cast<float>(i) +
-                           0.01f * (static_cast<float>(c) - 1.0f);
+      all.radiance[c][i] =
+          model[c][i] + 0.001f * static_cast<float>(i) + 0.01f * (static_cast<float>(c) - 1.0f);
   all.pixel[300] = observe::Observations::kNoPixel;
   solve::EvaluateOptions options;
   auto usable = std::make_shared<std::vector<std::uint8_t>>(all.size(), 1);

@@ -1,5 +1,5 @@
-// Pictures of a ball of radius 1 at W's origin, 64 x 48 pixels each, by the renderer alone: for tests
-// that need keyframes and cannot wait.
+// Pictures of a ball of radius 1 at W's origin, 64 x 48 pixels each, by the renderer alone: for
+// tests that need keyframes and cannot wait.
 #pragma once
 
 #include <numbers>
@@ -36,8 +36,7 @@ struct TinyBall {
       const double azimuth = 2.0 * std::numbers::pi * view / views;
       const double across = 8.4 * std::cos(DegToRad(30.0)), up = 8.4 * std::sin(DegToRad(30.0));
       model::Keyframe& keyframe = keyframes.emplace_back();
-      keyframe.X_WC =
-          LookingAtOrigin({across * std::cos(azimuth), across * std::sin(azimuth), up});
+      keyframe.X_WC = LookingAtOrigin({across * std::cos(azimuth), across * std::sin(azimuth), up});
       target::Rendering rendering =
           target::Render(scene, geometry, rays, keyframe.X_WC, keyframe.X_WT);
       const RandomStream random(static_cast<std::uint64_t>(view), 4);

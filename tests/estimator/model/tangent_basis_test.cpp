@@ -1,5 +1,6 @@
-// Proves: the two axes are orthonormal and right-handed with the direction, to rounding, also at and
-// beside the poles. Does not prove that they are continuous: they jump where z changes its sign.
+// Proves: the two axes are orthonormal and right-handed with the direction, to rounding, also at
+// and beside the poles. Does not prove that they are continuous: they jump where z changes its
+// sign.
 #include "estimator/model/tangent_basis.h"
 
 #include <gtest/gtest.h>
@@ -24,8 +25,7 @@ void ExpectBasis(const Vector3d& u) {
 
 TEST(TangentBasis, IsOrthonormalAndRightHanded) {
   const RandomStream random(1, 1);
-  for (std::uint64_t i = 0; i < 1000; ++i)
-    ExpectBasis(RandomUnit(random, i));
+  for (std::uint64_t i = 0; i < 1000; ++i) ExpectBasis(RandomUnit(random, i));
 }
 
 TEST(TangentBasis, AlsoAtThePolesAndTheEquator) {

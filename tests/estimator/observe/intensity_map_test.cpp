@@ -1,7 +1,7 @@
-// Proves: cells lie where their directions say; an even picture makes an even map, and a bright spot
-// is where it was put, also across the seam of the azimuth and at the pole; the bright area is what
-// the share says, brightest first; clusters are led by the first comers. Does not prove that spots
-// are lights: find_lights_test does.
+// Proves: cells lie where their directions say; an even picture makes an even map, and a bright
+// spot is where it was put, also across the seam of the azimuth and at the pole; the bright area is
+// what the share says, brightest first; clusters are led by the first comers. Does not prove that
+// spots are lights: find_lights_test does.
 #include "estimator/observe/intensity_map.h"
 
 #include <gtest/gtest.h>
@@ -51,8 +51,8 @@ TEST(IntensityMap, EvenPicturesMakeAnEvenMap) {
 }
 
 TEST(IntensityMap, ABrightSpotIsWhereItIs) {
-  for (const Vector3d& spot : {Vector3d(1.0, 0.001, 0.3), Vector3d(0.02, 0.0, 1.0),
-                               Vector3d(-0.5, -0.7, -0.4)}) {
+  for (const Vector3d& spot :
+       {Vector3d(1.0, 0.001, 0.3), Vector3d(0.02, 0.0, 1.0), Vector3d(-0.5, -0.7, -0.4)}) {
     const IntensityMap map = MakeIntensityMap(Spots({spot.normalized()}));
     const auto area = HighIntensityArea(map, kHighShare);
     ASSERT_FALSE(area.empty());
@@ -67,13 +67,13 @@ TEST(IntensityMap, ABrightSpotIsWhereItIs) {
 TEST(IntensityMap, TwoSpotsAreTwoClusters) {
   const std::vector<Vector3d> spots = {Vector3d(0.3, 0.2, 1.0).normalized(),
                                        Vector3d(-0.7, 0.3, 0.6).normalized()};
-  const auto clusters =
-      LeaderClustering(HighIntensityArea(MakeIntensityMap(Spots(spots)), kHighShare),
-                       DegToRad(kClusterRadiusDeg));
+  const auto clusters = LeaderClustering(
+      HighIntensityArea(MakeIntensityMap(Spots(spots)), kHighShare), DegToRad(kClusterRadiusDeg));
   ASSERT_EQ(clusters.size(), 2u);
   for (const Vector3d& spot : spots)
-    EXPECT_LT(std::min(AngleDeg(clusters[0].direction, spot), AngleDeg(clusters[1].direction, spot)),
-              3.0);
+    EXPECT_LT(
+        std::min(AngleDeg(clusters[0].direction, spot), AngleDeg(clusters[1].direction, spot)),
+        3.0);
 }
 
 TEST(LeaderClustering, TheFirstComersLead) {

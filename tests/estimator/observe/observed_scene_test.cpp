@@ -1,6 +1,6 @@
 // Proves: what is observed of a ball comes with a signature for each view and counts that fit the
-// pixels; clipped, black and missing pictures are refused. Does not prove that what is accepted leads to an
-// estimate.
+// pixels; clipped, black and missing pictures are refused. Does not prove that what is accepted
+// leads to an estimate.
 #include "estimator/observe/observed_scene.h"
 
 #include <gmock/gmock.h>

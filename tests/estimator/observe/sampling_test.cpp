@@ -1,7 +1,7 @@
-// Proves: a sample has about as many pixels as were asked for, the same for the same seed, in order,
-// each with all that was known of it; an even one takes all alike, the other takes a pixel with the
-// weight that its gradient along the row gives it. Does not prove that such samples lead to better
-// starts: bench/studies does.
+// Proves: a sample has about as many pixels as were asked for, the same for the same seed, in
+// order, each with all that was known of it; an even one takes all alike, the other takes a pixel
+// with the weight that its gradient along the row gives it. Does not prove that such samples lead
+// to better starts: bench/studies does.
 #include "estimator/observe/sampling.h"
 
 #include <gtest/gtest.h>
@@ -20,15 +20,16 @@ constexpr std::size_t kSampledFrom = 40000, kSampleWanted = 4000;
 Observations HalfFlatHalfSteep() {
   Observations all = RandomObservations(kSampledFrom, 1, 1).observations;
   for (std::size_t i = 0; i < kSampledFrom; ++i)
-    all.radiance[0][i] =
-        i < kSampledFrom / 2 ? 0.0f : 1.0f - std::abs(static_cast<float>(i % 2000) / 1000.0f - 1.0f);
+    all.radiance[0][i] = i < kSampledFrom / 2
+                             ? 0.0f
+                             : 1.0f - std::abs(static_cast<float>(i % 2000) / 1000.0f - 1.0f);
   return all;
 }
 
 // How many came from the first half; of about `expected`, five standard deviations are allowed.
 void ExpectFromFirstHalf(const Observations& sample, double expected) {
-  const auto first = std::count_if(sample.pixel.begin(), sample.pixel.begin() +
-                                       static_cast<std::ptrdiff_t>(sample.used),
+  const auto first = std::count_if(sample.pixel.begin(),
+                                   sample.pixel.begin() + static_cast<std::ptrdiff_t>(sample.used),
                                    [](std::uint32_t pixel) { return pixel < kSampledFrom / 2; });
   EXPECT_NEAR(static_cast<double>(first), expected, 5.0 * std::sqrt(expected));
 }

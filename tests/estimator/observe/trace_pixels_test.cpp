@@ -104,8 +104,8 @@ TEST(TraceKeyframe, GeometryIsTheMeanOverThePixel) {
     // On the surface, and not below it as the mean of a bent one is.
     EXPECT_NEAR(pixel.position.norm(), 1.0, 1e-4 / (cosine * cosine));
     EXPECT_LT((pixel.face_normal - center.normal).norm(), 1e-6);
-    const Vector3d dw = HitAt(X_WC, column + 0.5, row)->Mirrored() -
-                        HitAt(X_WC, column - 0.5, row)->Mirrored();
+    const Vector3d dw =
+        HitAt(X_WC, column + 0.5, row)->Mirrored() - HitAt(X_WC, column - 0.5, row)->Mirrored();
     const Vector3d dx =
         HitAt(X_WC, column, row + 0.5)->normal - HitAt(X_WC, column, row - 0.5)->normal;
     EXPECT_LT((pixel.dw_du - dw).norm(), 1e-5);

@@ -1,6 +1,6 @@
-// Proves, on a scene's own radiances with noise: a highlight, a distance and a robust loss are taken
-// where the data call for them and left where they do not, each as a rung with its numbers; what
-// the user chose is not decided. Does not prove the thresholds, nor anything on pictures
+// Proves, on a scene's own radiances with noise: a highlight, a distance and a robust loss are
+// taken where the data call for them and left where they do not, each as a rung with its numbers;
+// what the user chose is not decided. Does not prove the thresholds, nor anything on pictures
 // (model_choice_test, recovery_test, bench/studies).
 #include "estimator/select/model_selection.h"
 
@@ -85,9 +85,9 @@ TEST(Refine, WhatTheUserChoseIsNotDecided) {
   truth.reflectance.specular = 0.0;
   model::Scene start = truth;
   start.reflectance.specular = 0.1;
-  const Selected selected(NoisyPicture(truth), start,
-                          {.lights = {}, .diffuse = {}, .specular = model::SpecularModel::kPhong,
-                           .near = false});
+  const Selected selected(
+      NoisyPicture(truth), start,
+      {.lights = {}, .diffuse = {}, .specular = model::SpecularModel::kPhong, .near = false});
   EXPECT_TRUE(selected.Accepted("specular"));
   EXPECT_EQ(selected.refined.solution.scene.reflectance.specular_model,
             model::SpecularModel::kPhong);

@@ -1,6 +1,6 @@
-// Proves: every parameter has a column of its own; the values of a moved scene are the old ones plus
-// the step, wherever that is what the column says; tangents move the direction along themselves;
-// bounds are kept and nothing within them is touched. Does not prove derivatives
+// Proves: every parameter has a column of its own; the values of a moved scene are the old ones
+// plus the step, wherever that is what the column says; tangents move the direction along
+// themselves; bounds are kept and nothing within them is touched. Does not prove derivatives
 // (normal_equations_test).
 #include "estimator/solve/columns.h"
 

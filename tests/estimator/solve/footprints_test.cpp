@@ -57,12 +57,13 @@ TEST(FootprintSamples, AreEnoughForAGaussianLobe) {
   // The lobe whose half-width is that.
   const double shininess = -1.0 / std::log2(std::cos(kHalfWidth));
   for (const double ratio : {0.1, 0.19, 0.3, 0.49, 0.6, 1.0, 1.2, 2.0, 3.0, 5.0}) {
-    const int n = FootprintSamples(
-        TilesWithFootprints({static_cast<float>(ratio * kHalfWidth)}), shininess, 2)[0];
+    const int n = FootprintSamples(TilesWithFootprints({static_cast<float>(ratio * kHalfWidth)}),
+                                   shininess, 2)[0];
     for (const double offset : {0.0, 0.3, 1.0}) {
       double mean = 0.0, truth = 0.0;
       const auto lobe = [&](double at) {
-        return std::exp2(-std::pow((offset * kHalfWidth + at * ratio * kHalfWidth) / kHalfWidth, 2));
+        return std::exp2(
+            -std::pow((offset * kHalfWidth + at * ratio * kHalfWidth) / kHalfWidth, 2));
       };
       for (int i = 0; i < n; ++i) mean += scene.model.weight[n][i] * lobe(scene.model.node[n][i]);
       for (int i = 0; i < 2000; ++i) truth += lobe((i + 0.5) / 2000.0 - 0.5) / 2000.0;

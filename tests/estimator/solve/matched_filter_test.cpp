@@ -1,7 +1,7 @@
-// Proves: a light taken out of a known scene is the best of those that the filter ranks, within half
-// the lattice's spacing and with its strength; the gain is the fall of the cost when it is really
-// added; the two ways to find it agree; from the whole scene nothing is missed. Does not prove that
-// lights are found where shadows or lobes are in the way (unknown_errors_test).
+// Proves: a light taken out of a known scene is the best of those that the filter ranks, within
+// half the lattice's spacing and with its strength; the gain is the fall of the cost when it is
+// really added; the two ways to find it agree; from the whole scene nothing is missed. Does not
+// prove that lights are found where shadows or lobes are in the way (unknown_errors_test).
 #include "estimator/solve/matched_filter.h"
 
 #include <gtest/gtest.h>
@@ -36,8 +36,7 @@ TEST(MatchedFilter, TheMissingLightIsTheBest) {
     ASSERT_GT(ranked.size(), 10u);
     EXPECT_LT(AngleDeg(ranked[0].light.direction, it.missing.direction), kSpacingDeg / 1.4);
     EXPECT_NEAR(ranked[0].light.intensity, 0.1, 0.03);
-    for (std::size_t i = 1; i < ranked.size(); ++i)
-      EXPECT_LE(ranked[i].gain, ranked[i - 1].gain);
+    for (std::size_t i = 1; i < ranked.size(); ++i) EXPECT_LE(ranked[i].gain, ranked[i - 1].gain);
     const auto most = MostMissingLight(it.pixels, it.known);
     ASSERT_TRUE(most.has_value());
     EXPECT_EQ(most->direction, ranked[0].light.direction);

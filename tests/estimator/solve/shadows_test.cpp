@@ -1,7 +1,7 @@
 // Proves, in closed form: which floor a wall keeps its light off, for distant and near lights, and
-// which pixels lie on the edge of a cast or an attached shadow; a light that hardly moved keeps what
-// was cast. Does not prove that leaving edges out is enough: unknown_errors_test and bench/studies
-// do.
+// which pixels lie on the edge of a cast or an attached shadow; a light that hardly moved keeps
+// what was cast. Does not prove that leaving edges out is enough: unknown_errors_test and
+// bench/studies do.
 #include "estimator/solve/shadows.h"
 
 #include <gtest/gtest.h>
@@ -153,8 +153,7 @@ TEST(AwayFromTerminators, LeavesOutExactlyWhatIsNearAnEdge) {
       const double turn = kChange / p.normal.dot(p.viewer);
       double closest = 1.0;
       for (const model::Light& light : lights)
-        closest =
-            std::min(closest, std::abs(p.normal.dot(light.Toward(p.position).normalized())));
+        closest = std::min(closest, std::abs(p.normal.dot(light.Toward(p.position).normalized())));
       if (std::abs(closest - 0.5 * margin * turn) > 1e-6) {
         EXPECT_EQ((*away)[i] == 0, closest < 0.5 * margin * turn) << i << " margin " << margin;
       }

@@ -23,8 +23,8 @@ TEST(FindStart, IsNearTheTruthWithAndWithoutAGuess) {
   EXPECT_GT(found.rms_history.size(), 2u);
   std::vector<std::string> rungs;
   for (const model::Rung& rung : found.ladder) rungs.push_back(rung.rung);
-  EXPECT_EQ(rungs, (std::vector<std::string>{"start", "oren-nayar", "blinn-phong",
-                                             "held-out light", "held-out light"}));
+  EXPECT_EQ(rungs, (std::vector<std::string>{"start", "oren-nayar", "blinn-phong", "held-out light",
+                                             "held-out light"}));
   EXPECT_EQ(FindStart(all, kSampleNoise, map, std::nullopt, {}).rms_history, found.rms_history);
 
   model::InitialGuess guess;

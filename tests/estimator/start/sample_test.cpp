@@ -1,6 +1,6 @@
-// Proves the excess variance in closed form: what is above the noise, never below a floor that grows
-// with it, and when nothing is left to explain. Does not prove that the floor is the right one:
-// bench/studies does.
+// Proves the excess variance in closed form: what is above the noise, never below a floor that
+// grows with it, and when nothing is left to explain. Does not prove that the floor is the right
+// one: bench/studies does.
 #include "estimator/start/sample.h"
 
 #include <gtest/gtest.h>

@@ -70,8 +70,8 @@ TEST(Geometry, AMeshIsMetInDoublePrecisionWhereverItStands) {
     EXPECT_TRUE(mesh.CanShadowItself());
     const RandomStream random(2, 2);
     for (std::uint64_t i = 0; i < 300; ++i) {
-      const Vector3d point(away + random.Uniform(3 * i, -49, 49), random.Uniform(3 * i + 1, -49, 15),
-                           0.0);
+      const Vector3d point(away + random.Uniform(3 * i, -49, 49),
+                           random.Uniform(3 * i + 1, -49, 15), 0.0);
       const Vector3d eye = point + 500.0 * Vector3d(0.1, -0.3, 1.0);
       const auto hit = mesh.Intersect(eye, point - eye);
       ASSERT_TRUE(hit.has_value());
@@ -92,7 +92,8 @@ TEST(Geometry, AMeshIsMetInDoublePrecisionWhereverItStands) {
 TEST(Geometry, InterpolatesTheNormalsOfAMesh) {
   calib::MeshShape shape;
   shape.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  shape.normals = {Vector3d(0, 0, 1), Vector3d(1, 0, 1).normalized(), Vector3d(0, 1, 1).normalized()};
+  shape.normals = {Vector3d(0, 0, 1), Vector3d(1, 0, 1).normalized(),
+                   Vector3d(0, 1, 1).normalized()};
   shape.faces = {{0, 1, 2}};
   const Geometry mesh{calib::TargetShape(shape)};
   const auto hit = mesh.Intersect({0.25, 0.5, 3.0}, {0, 0, -1});

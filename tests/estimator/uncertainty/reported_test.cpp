@@ -1,6 +1,6 @@
-// Proves: what is reported does not depend on the gauge that a scene comes in; lights are ordered by
-// their strength at W's origin, not at the target; products are those that the pictures show. Does
-// not prove anything about errors.
+// Proves: what is reported does not depend on the gauge that a scene comes in; lights are ordered
+// by their strength at W's origin, not at the target; products are those that the pictures show.
+// Does not prove anything about errors.
 #include "estimator/uncertainty/reported.h"
 
 #include <gtest/gtest.h>
@@ -58,10 +58,10 @@ TEST(Report, ProductsAreThoseOfTheScene) {
   const model::Reflectance& r = scene.reflectance;
   const Reported reported = Report(scene, frame, {0, 1});
   for (std::size_t l = 0; l < 2; ++l) {
-    EXPECT_LT((reported.lights[l].diffuse_product -
-               r.albedo * r.diffuse * scene.lights[l].intensity)
-                  .norm(),
-              1e-14);
+    EXPECT_LT(
+        (reported.lights[l].diffuse_product - r.albedo * r.diffuse * scene.lights[l].intensity)
+            .norm(),
+        1e-14);
     EXPECT_NEAR(reported.lights[l].specular_product, r.specular * scene.lights[l].intensity, 1e-14);
     EXPECT_EQ(reported.lights[l].direction_at_reference, scene.lights[l].direction);
     EXPECT_EQ(reported.lights[l].inverse_distance_at_reference, scene.lights[l].inverse_distance);

@@ -29,8 +29,8 @@ struct ScoreCase {
   }
   model::Scene WithThird(double intensity) const {
     model::Scene out = scene;
-    out.lights.push_back({Eigen::Vector3d(0.1, -0.9, 0.4).normalized(), 0.1, intensity,
-                          Eigen::Vector3d::Ones()});
+    out.lights.push_back(
+        {Eigen::Vector3d(0.1, -0.9, 0.4).normalized(), 0.1, intensity, Eigen::Vector3d::Ones()});
     return out;
   }
   double CostWith(double intensity, const solve::EvaluateOptions& options) const {
@@ -42,7 +42,8 @@ TEST(ScoreProbe, SlopeAndCurvatureAreThoseOfTheCost) {
   const ScoreCase it;
   const Score score = ScoreProbe(it.pixels, it.scene, {}).Of(it.change, 1.0);
   constexpr double kStep = 0.05;
-  const double up = it.CostWith(kStep, {}), at = it.CostWith(0.0, {}), down = it.CostWith(-kStep, {});
+  const double up = it.CostWith(kStep, {}), at = it.CostWith(0.0, {}),
+               down = it.CostWith(-kStep, {});
   const double scale = std::sqrt(score.curvature * 2.0 * at);
   EXPECT_NEAR(score.slope, (up - down) / (2.0 * kStep), 1e-5 * scale);
   EXPECT_NEAR(score.curvature, (up - 2.0 * at + down) / (kStep * kStep), 1e-4 * score.curvature);
@@ -80,8 +81,7 @@ TEST(ScoreProbe, UnderARobustLossTheSlopeIsThatOfItsCost) {
   robust.huber = 0.01;  // beyond which most residuals are
   const Score score = ScoreProbe(it.pixels, it.scene, robust).Of(it.change, 1.0);
   constexpr double kStep = 1e-3;
-  const double slope =
-      (it.CostWith(kStep, robust) - it.CostWith(-kStep, robust)) / (2.0 * kStep);
+  const double slope = (it.CostWith(kStep, robust) - it.CostWith(-kStep, robust)) / (2.0 * kStep);
   EXPECT_NEAR(score.slope, slope, 1e-3 * std::abs(slope) + 1e-2);
   const Score squares = ScoreProbe(it.pixels, it.scene, {}).Of(it.change, 1.0);
   EXPECT_LT(score.curvature, 0.7 * squares.curvature);

@@ -65,8 +65,8 @@ TEST(EstimateUncertainty, OfClustersThatGoTogether) {
 // counts twice, less what may be chance.
 TEST(EstimateUncertainty, OfHalvesThatDisagree) {
   constexpr double kDifference = 0.05;
-  const MeanProblem mean(
-      0.001, 2, [](std::size_t i) { return i < kMeanPixels / 2 ? 0.0 : kDifference; });
+  const MeanProblem mean(0.001, 2,
+                         [](std::size_t i) { return i < kMeanPixels / 2 ? 0.0 : kDifference; });
   const Uncertainties sigmas = mean.Sigmas();
   const double model = std::sqrt(sigmas.total.ambient * sigmas.total.ambient -
                                  sigmas.stat.ambient * sigmas.stat.ambient);
