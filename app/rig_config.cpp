@@ -164,8 +164,8 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
       .table = std::move(*table),
       .camera = std::move(*camera),
       .length_unit = config.length_unit,
-      .known =
-          config.calibration ? rig::KnowledgeOf(*config.calibration) : rig::KnowledgeOf(*world),
+      .known = config.calibration ? rig::KnowledgeOf(*config.calibration)
+                                  : rig::sim::KnowledgeOf(*world),
       .target = config.target ? *config.target : rig::sim::TargetOf(*world),
       .calibration = config.calibration,
       .truth = rig::sim::TruthToJson(world->studio->scene, "the simulated rig of " + config.name),
