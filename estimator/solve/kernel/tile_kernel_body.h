@@ -1,178 +1,10 @@
 // The tile kernel itself, in any precision. Included by its variants only (see lanes.h).
 #pragma once
 
-#include "estimator/solve/kernel/lanes.h"
+#include "estimator/solve/kernel/reflectance_terms.h"
 
 namespace turnlight::estimator::solve::kernel {
 namespace {
-
-// One block of sixteen pixels.
-template <typename Real>
-struct Block {
-  using V = typename Lanes<Real>::V;
-  Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv, dx_du, dx_dv;
-  V viewer_cosine;
-  V radiance[3];
-  V valid;  // 1, or 0 for filling and what is left out
-  const std::uint8_t* const* lit;
-  std::size_t at;
-};
-
-template <typename Real>
-TURNLIGHT_INLINE Vector3<Real> LoadVector(const float* const* from, std::size_t at) {
-  return {LoadFloats(from[0] + at, Real{}), LoadFloats(from[1] + at, Real{}),
-          LoadFloats(from[2] + at, Real{})};
-}
-
-template <typename Real>
-TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPixels& pixels,
-                                       std::size_t at, int samples) {
-  Block<Real> block;
-  block.position = LoadVector<Real>(pixels.position, at);
-  block.normal = LoadVector<Real>(pixels.normal, at);
-  block.mirrored = LoadVector<Real>(pixels.mirrored, at);
-  block.viewer_cosine = block.normal.Dot(block.mirrored);
-  block.viewer = block.normal * (Real(2) * block.viewer_cosine) - block.mirrored;
-  for (int c = 0; c < model.channels; ++c)
-    block.radiance[c] = LoadFloats(pixels.radiance[c] + at, Real{});
-  for (int i = 0; i < kLanes; ++i)
-    block.valid[i] =
-        pixels.pixel[at + static_cast<std::size_t>(i)] == 0xFFFFFFFFu ? Real(0) : Real(1);
-  if (pixels.usable) block.valid *= LoadBytes<Real>(pixels.usable + at);
-  block.lit = pixels.lit;
-  block.at = at;
-  if (samples > 1) {
-    const auto f = [&](int k) { return LoadBFloat16<Real>(pixels.footprint[k] + at); };
-    block.dw_du = {f(0), f(1), f(2)};
-    block.dw_dv = {f(3), f(4), f(5)};
-    const auto g = [&](int k) { return LoadBFloat16<Real>(pixels.step[k] + at); };
-    block.dx_du = {g(0), g(1), g(2)};
-    block.dx_dv = {g(3), g(4), g(5)};
-  }
-  return block;
-}
-
-// A reflectance term f of the unit direction l towards a light, with its gradient by l (not
-// projected on the sphere) and its derivatives by the model's own parameters and by the parallax
-// within the pixel.
-template <typename Real>
-struct Term {
-  typename Lanes<Real>::V value, by_parameter;
-  Vector3<Real> gradient;
-  typename Lanes<Real>::V by_parallax;
-};
-
-template <typename Real>
-TURNLIGHT_INLINE Term<Real> Diffuse(const KernelModel& model, const Block<Real>& block,
-                                    const Vector3<Real>& l, typename Lanes<Real>::V nl) {
-  using L = Lanes<Real>;
-  using V = typename L::V;
-  const V zero = L::Splat(0.0);
-  if (!model.oren_nayar) return {nl, zero, block.normal, zero};
-  const V a = L::Splat(model.oren_nayar_a), b = L::Splat(model.oren_nayar_b);
-  const V nv = block.viewer_cosine;
-  const V projected = l.Dot(block.viewer) - nl * nv;
-  const V larger = L::Max(L::Max(nl, nv), L::Splat(1e-6));
-  const V s = L::Max(projected, zero) / larger;
-  const V ds_dprojected = projected > zero ? Real(1) / larger : zero;
-  const V ds_dlarger = nl > nv ? -s / larger : zero;
-  Term<Real> term;
-  term.value = nl * (a + b * s);
-  term.by_parameter = nl * (L::Splat(model.oren_nayar_da) + L::Splat(model.oren_nayar_db) * s);
-  const V by_nl = a + b * s + b * nl * (ds_dlarger - nv * ds_dprojected);
-  term.gradient = block.normal * by_nl + block.viewer * (b * nl * ds_dprojected);
-  return term;
-}
-
-// The specular term, its mean over samples x samples points of the pixel's footprint. The footprint
-// moves the mirrored ray w; for Blinn-Phong the normal is the one that mirrors the view into it. It
-// also moves the point itself, and so the direction of a near light the other way, by `parallax`
-// (inverse distance over |L|) times the step: for Phong that is as if w moved on by as much.
-template <typename Real>
-TURNLIGHT_INLINE Term<Real> SpecularMean(const KernelModel& model, const Block<Real>& block,
-                                         const Vector3<Real>& l, typename Lanes<Real>::V parallax,
-                                         int samples) {
-  using L = Lanes<Real>;
-  using V = typename L::V;
-  const V zero = L::Splat(0.0), n = L::Splat(model.shininess);
-  Term<Real> mean{zero, zero, {zero, zero, zero}, zero};
-  const bool phong = model.specular_model == Specular::kPhong;
-  V inverse_half_norm = zero;
-  Vector3<Real> half = l;
-  if (!phong) {
-    half = l + block.viewer;
-    inverse_half_norm = Real(1) / L::Sqrt(L::Max(half.Dot(half), L::Splat(1e-12)));
-    half = half * inverse_half_norm;
-  }
-  for (int j = 0; j < samples; ++j) {
-    for (int i = 0; i < samples; ++i) {
-      // axis: what the lobe is measured against; w for Phong, the normal for Blinn-Phong.
-      Vector3<Real> axis = phong ? block.mirrored : block.normal;
-      Vector3<Real> step{zero, zero, zero};
-      if (samples > 1) {
-        const V du = L::Splat(model.node[samples][i]), dv = L::Splat(model.node[samples][j]);
-        axis = block.mirrored + block.dw_du * du + block.dw_dv * dv;
-        if (phong) {
-          step = block.dx_du * du + block.dx_dv * dv;
-          axis = axis + step * parallax;
-        }
-        const V norm = axis.InverseNorm();
-        axis = axis * norm;
-        step = step * norm;
-        if (!phong) {
-          axis = axis + block.viewer;
-          axis = axis * (Real(1) / L::Sqrt(L::Max(axis.Dot(axis), L::Splat(1e-12))));
-        }
-      }
-      const Vector3<Real> chord = half - axis;
-      const V c = Real(0.5) * chord.Dot(chord);
-      const V t = L::Max(Real(1) - c, L::Splat(1e-6));
-      const V logarithm = LogOneMinus(L::Min(c, L::Splat(1.0 - 1e-6)));
-      const V weight = L::Splat(model.weight[samples][i] * model.weight[samples][j]);
-      const V power = Real(1) - c > zero ? weight * ExpNegative(n * logarithm) : zero;
-      mean.value += power;
-      mean.by_parameter += power * logarithm;
-      const V slope = n * power / t;
-      mean.gradient =
-          mean.gradient + (phong ? axis * slope : (axis - half * t) * (slope * inverse_half_norm));
-      if (samples > 1)
-        mean.by_parallax += slope * (half.Dot(step) - half.Dot(axis) * axis.Dot(step));
-    }
-  }
-  return mean;
-}
-
-// Whether the lobe reaches any pixel of the block: beyond exp(-40) it is exactly zero. Two samples
-// a side are for footprints of at most half the lobe's half-width (FootprintSamples), by which
-// exp(-60) at the centre is beyond exp(-40) at all of them.
-template <typename Real>
-TURNLIGHT_INLINE bool LobeReaches(const KernelModel& model, const Block<Real>& block,
-                                  const Vector3<Real>& l, int samples) {
-  if (samples > 2 || model.specular_model != Specular::kPhong) return true;
-  using L = Lanes<Real>;
-  // log(1 - c) <= -c, so n c > 40 is beyond reach.
-  const double beyond = samples == 1 ? 40.0 : 60.0;
-  const Vector3<Real> chord = l - block.mirrored;
-  const auto c = Real(0.5) * chord.Dot(chord);
-  return L::Any(L::Splat(model.shininess) * c < L::Splat(beyond));
-}
-
-// Rows of a tile. Each row has kTilePixels scalars: a_i and b_i of the shared parameters (each set
-// filled up with zeros to whole blocks), E, p, q, r_c.
-template <typename Real>
-struct Rows {
-  Real* base;
-  int shared;
-  TURNLIGHT_INLINE Real* A(int i) const {
-    return base + static_cast<std::ptrdiff_t>(i) * kTilePixels;
-  }
-  TURNLIGHT_INLINE Real* B(int i) const { return A(PaddedRows(shared) + i); }
-  TURNLIGHT_INLINE Real* Albedo() const { return A(2 * PaddedRows(shared)); }
-  TURNLIGHT_INLINE Real* ResidualA() const { return A(2 * PaddedRows(shared) + 1); }
-  TURNLIGHT_INLINE Real* ResidualB() const { return A(2 * PaddedRows(shared) + 2); }
-  TURNLIGHT_INLINE Real* Residual(int c) const { return A(2 * PaddedRows(shared) + 3 + c); }
-  TURNLIGHT_INLINE Real* Sums() const { return A(2 * PaddedRows(shared) + kExtraRows); }
-};
 
 // What a block's lights add up to.
 template <typename Real>
@@ -180,6 +12,48 @@ struct Shading {
   using V = typename Lanes<Real>::V;
   V diffuse, specular, by_shininess, by_roughness;
 };
+
+// A light as a block sees it.
+template <typename Real>
+struct LightAt {
+  Vector3<Real> l;                                     // unit
+  typename Lanes<Real>::V falloff, inverse, parallax;  // a_l, 1 / |L|, rho / |L|
+};
+
+// The rows of one light: its intensity, two tangents, and inverse distance.
+template <typename Real>
+TURNLIGHT_INLINE void StoreLightRows(const KernelModel& model, const Block<Real>& block, int index,
+                                     const LightAt<Real>& at, const Term<Real>& diffuse,
+                                     const Term<Real>& specular, bool shiny, const Rows<Real>& rows,
+                                     int offset) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0);
+  const KernelLight& light = model.light[index];
+  const V intensity = L::Splat(light.intensity);
+  const Vector3<Real>& l = at.l;
+  const V &falloff = at.falloff, &inverse = at.inverse, &parallax = at.parallax;
+  const V kd = L::Splat(model.diffuse), ks = L::Splat(model.specular);
+  const int row = kSharedFixed + kPerLight * index;
+  L::Store(rows.A(row) + offset, kd * falloff * diffuse.value);
+  L::Store(rows.B(row) + offset, ks * falloff * specular.value);
+  // f(l) / |L|^2 by L along e: (g.e - (g.l + 2 f)(l.e)) / |L|^3
+  const V cube = falloff * inverse * intensity;
+  const V diffuse_l = diffuse.gradient.Dot(l) + Real(2) * diffuse.value;
+  const V specular_l = specular.gradient.Dot(l) + Real(2) * specular.value;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3<Real> e =
+        k < 2 ? SplatVector<Real>(light.tangent[k]) : block.position * L::Splat(-1.0);
+    const V le = l.Dot(e);
+    L::Store(rows.A(row + 1 + k) + offset, kd * cube * (diffuse.gradient.Dot(e) - diffuse_l * le));
+    // How the parallax within the pixel changes: rho itself, and the distance.
+    const V changed = (k < 2 ? zero : inverse) - parallax * inverse * le;
+    const V by_parallax = falloff * intensity * specular.by_parallax * changed;
+    L::Store(
+        rows.B(row + 1 + k) + offset,
+        shiny ? ks * (cube * (specular.gradient.Dot(e) - specular_l * le) + by_parallax) : zero);
+  }
+}
 
 template <typename Real, bool kJacobian>
 TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<Real>& block,
@@ -207,31 +81,35 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
     sum.specular += intensity * falloff * specular.value;
     sum.by_shininess += intensity * falloff * specular.by_parameter;
     sum.by_roughness += intensity * falloff * diffuse.by_parameter;
-    if constexpr (kJacobian) {
-      const V kd = L::Splat(model.diffuse), ks = L::Splat(model.specular);
-      const int row = kSharedFixed + kPerLight * index;
-      L::Store(rows.A(row) + offset, kd * falloff * diffuse.value);
-      L::Store(rows.B(row) + offset, ks * falloff * specular.value);
-      // f(l) / |L|^2 by L along e: (g.e - (g.l + 2 f)(l.e)) / |L|^3
-      const V cube = falloff * inverse * intensity;
-      const V diffuse_l = diffuse.gradient.Dot(l) + Real(2) * diffuse.value;
-      const V specular_l = specular.gradient.Dot(l) + Real(2) * specular.value;
-      for (int k = 0; k < 3; ++k) {
-        const Vector3<Real> e =
-            k < 2 ? SplatVector<Real>(light.tangent[k]) : block.position * L::Splat(-1.0);
-        const V le = l.Dot(e);
-        L::Store(rows.A(row + 1 + k) + offset,
-                 kd * cube * (diffuse.gradient.Dot(e) - diffuse_l * le));
-        // How the parallax within the pixel changes: rho itself, and the distance.
-        const V changed = (k < 2 ? zero : inverse) - parallax * inverse * le;
-        const V by_parallax = falloff * intensity * specular.by_parallax * changed;
-        L::Store(rows.B(row + 1 + k) + offset,
-                 shiny ? ks * (cube * (specular.gradient.Dot(e) - specular_l * le) + by_parallax)
-                       : zero);
-      }
-    }
+    if constexpr (kJacobian)
+      StoreLightRows(model, block, index, LightAt<Real>{l, falloff, inverse, parallax}, diffuse,
+                     specular, shiny, rows, offset);
   }
   return sum;
+}
+
+template <typename Real>
+struct WeighedResidual {
+  typename Lanes<Real>::V weight, cost;
+};
+
+// Huber's loss on the pixel's root-mean-square residual, as a weight on its rows. square: the sum
+// of its channels' squared residuals.
+template <typename Real>
+TURNLIGHT_INLINE WeighedResidual<Real> WeighResidual(const KernelModel& model,
+                                                     const Block<Real>& block,
+                                                     typename Lanes<Real>::V square) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  V weight = block.valid, cost = Real(0.5) * square;
+  if (model.huber > 0.0) {
+    const V scale = L::Splat(model.huber), channels = L::Splat(model.channels);
+    const V size = L::Sqrt(L::Max(square / channels, L::Splat(1e-30)));
+    const auto far = size > scale;
+    weight = far ? L::Sqrt(scale / size) * block.valid : weight;
+    cost = far ? channels * (scale * size - Real(0.5) * scale * scale) * block.valid : cost;
+  }
+  return {weight, cost};
 }
 
 // Residuals of a block, its shared rows and their weights. Returns its cost.
@@ -251,15 +129,7 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
                   block.valid;
     square += residual[c] * residual[c];
   }
-  // Huber's loss on the pixel's root-mean-square residual, as a weight on its rows.
-  V weight = block.valid, cost = Real(0.5) * square;
-  if (model.huber > 0.0) {
-    const V scale = L::Splat(model.huber), channels = L::Splat(model.channels);
-    const V size = L::Sqrt(L::Max(square / channels, L::Splat(1e-30)));
-    const auto far = size > scale;
-    weight = far ? L::Sqrt(scale / size) * block.valid : weight;
-    cost = far ? channels * (scale * size - Real(0.5) * scale * scale) * block.valid : cost;
-  }
+  const auto [weight, cost] = WeighResidual(model, block, square);
   for (int c = 0; c < model.channels; ++c) {
     residual[c] *= weight;
     residual_a += L::Splat(model.albedo[c]) * residual[c];
