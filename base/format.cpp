@@ -1,5 +1,7 @@
 #include "base/format.h"
 
+#include <array>
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 
@@ -15,6 +17,13 @@ std::string Format(const char* format, ...) {
   std::vsnprintf(text.data(), text.size() + 1, format, again);
   va_end(again);
   return text;
+}
+
+std::string NumberText(double value, int digits) {
+  std::array<char, 40> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value,
+                                     std::chars_format::general, digits)
+                           .ptr};
 }
 
 std::string Listed(const std::vector<std::string>& words) {

@@ -9,6 +9,9 @@ namespace turnlight {
 
 std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
+// A number as messages show it: %g with so many digits, at most 17, and a point in any locale.
+std::string NumberText(double value, int digits = 9);
+
 // "a, b, c", as messages name what is allowed.
 std::string Listed(const std::vector<std::string>& words);
 

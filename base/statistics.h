@@ -47,4 +47,12 @@ double InterpolatedQuantile(std::vector<double> values, double share);
 // The median of |x| of a unit normal x: a median magnitude divided by it is a sigma.
 inline constexpr double kMedianOfNormal = 0.6745;
 
+// Sigma of white noise from the sizes of its second differences a - 2 b + c, which what changes
+// slowly hardly moves: from one of their quantiles, and the same quantile of |x| of a unit normal
+// x.
+template <typename Value>
+Value SigmaOfSecondDifference(Value quantile, Value of_unit_normal) {
+  return quantile / (of_unit_normal * std::sqrt(Value{6}));
+}
+
 }  // namespace turnlight

@@ -12,7 +12,6 @@
 #pragma once
 
 #include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -20,21 +19,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/document.h"
 #include "base/result.h"
 
 namespace turnlight {
-
-// A parsed file. Values are JSON whatever the file's syntax; lines are known for YAML.
-struct Document {
-  std::string file;  // as shown in messages
-  nlohmann::json root;
-  std::map<std::string, int> lines;  // JSON pointer -> line (from 1), YAML only
-};
-
-// file is only for messages. Fails (kInput) on a syntax error, with its line; on duplicate keys;
-// and on nesting deeper than 32 levels.
-Result<Document> ParseJson(std::string_view text, std::string file);
-Result<Document> ParseYaml(const std::string& text, std::string file);
 
 // The allowed interval of a number; finite is required unless allow_nonfinite.
 struct Range {

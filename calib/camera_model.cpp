@@ -54,13 +54,6 @@ std::string ExactNumber(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
-std::string ShowNumber(double value) {
-  std::array<char, 40> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value,
-                                     std::chars_format::general, 9)
-                           .ptr};
-}
-
 // The full name as this project writes it. mrcal's own rounds CAHVORE's linearity to two digits.
 std::string LensModelName(const mrcal_lensmodel_t& model) {
   if (model.type == MRCAL_LENSMODEL_CAHVORE)
@@ -118,11 +111,11 @@ std::int64_t IntrinsicsCount(const mrcal_lensmodel_t& model) {
 Status CheckImagerSize(const std::vector<double>& size, const std::string& file) {
   for (const double side : size)
     if (side != std::floor(side) || side < 1 || side > kMaxSide)
-      return InputError(file + ": 'imagersize': " + ShowNumber(side) +
+      return InputError(file + ": 'imagersize': " + NumberText(side) +
                         ", allowed is a whole number from 1 to " + std::to_string(kMaxSide));
   if (size[0] * size[1] > kMaxPixels)
-    return InputError(file + ": 'imagersize': " + ShowNumber(size[0]) + " x " +
-                      ShowNumber(size[1]) + " pixels, allowed are at most " +
+    return InputError(file + ": 'imagersize': " + NumberText(size[0]) + " x " +
+                      NumberText(size[1]) + " pixels, allowed are at most " +
                       std::to_string(static_cast<std::int64_t>(kMaxPixels)));
   return {};
 }
@@ -281,7 +274,7 @@ Result<CameraModel> CameraModel::FromString(const std::string& text, const std::
   for (std::size_t i = 0; i < 2; ++i)
     if (!(read->intrinsics[i] > 0.0))
       return InputError(file + ": 'intrinsics': the focal length " +
-                        ShowNumber(read->intrinsics[i]) + ", allowed is a number above 0");
+                        NumberText(read->intrinsics[i]) + ", allowed is a number above 0");
   if (const Status status = CheckImagerSize(read->imager_size, file); !status)
     return Forward(status);
   CameraModel camera;

@@ -1,18 +1,13 @@
 #include "calib/pose.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "base/format.h"
 
 namespace turnlight::calib {
 namespace {
 
 constexpr double kOrthonormalTolerance = 1e-6;
-
-std::string Show(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
 
 }  // namespace
 
@@ -26,7 +21,7 @@ Result<Pose> PoseFromRows(const std::vector<double>& rows, const std::string& wh
       const double value = rows[static_cast<std::size_t>(4 * r + c)];
       if (!std::isfinite(value))
         return InputError(what + ": row " + std::to_string(r) + ", column " + std::to_string(c) +
-                          " is " + Show(value) + ", allowed is a finite number");
+                          " is " + NumberText(value) + ", allowed is a finite number");
       if (c < 3)
         pose.rotation(r, c) = value;
       else
@@ -39,11 +34,11 @@ Result<Pose> PoseFromRows(const std::vector<double>& rows, const std::string& wh
   if (!(deviation <= kOrthonormalTolerance))
     return InputError(what +
                       ": the rotation is not orthonormal: the largest element of |R'R - I| is " +
-                      Show(deviation) + ", allowed is at most 1e-06");
+                      NumberText(deviation) + ", allowed is at most 1e-06");
   const double determinant = pose.rotation.determinant();
   if (determinant < 0.0)
     return InputError(what + ": the rotation is a reflection: its determinant is " +
-                      Show(determinant) + ", allowed is +1");
+                      NumberText(determinant) + ", allowed is +1");
   return pose;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/statistics.h"
 #include "bench/studies/statistics.h"
 #include "bench/studies/summary_parts.h"
 
@@ -48,7 +49,7 @@ void CheckPovSigmas(const std::vector<const Json*>& records, Summary& out) {
     }
   Accept(out, "pov: |error| at most 3 sigma_total", within, all, 0.9);
   AcceptAtMost(out, "pov: median sigma_total / median error",
-               Quantile(sigmas, 0.5) / Quantile(errors, 0.5), 5.0, "");
+               InterpolatedQuantile(sigmas, 0.5) / InterpolatedQuantile(errors, 0.5), 5.0, "");
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ Summary SummariseSessions(const StudyFile& file) {
     for (const double angle : gray) sum += angle;
     AcceptAtMost(out, "uw_gray: mean direction", sum / static_cast<double>(gray.size()), 1.6,
                  "deg");
-    AcceptAtMost(out, "uw_gray: worst direction", Quantile(gray, 1.0), 3.0, "deg");
+    AcceptAtMost(out, "uw_gray: worst direction", InterpolatedQuantile(gray, 1.0), 3.0, "deg");
   }
   out.text += Times(records) + "\n" + QuantityTable(pov);
   return out;

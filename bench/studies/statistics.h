@@ -5,9 +5,6 @@
 
 namespace turnlight::studies {
 
-// Linear between the order statistics; NaN of nothing. share 0..1.
-double Quantile(std::vector<double> values, double share);
-
 // How many of `trials` may succeed at the given probability: the central band that holds at least
 // `level` of the binomial distribution, tails cut equally.
 struct Band {

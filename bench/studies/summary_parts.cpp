@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/format.h"
+#include "base/statistics.h"
 #include "bench/studies/statistics.h"
 
 namespace turnlight::studies {
@@ -27,9 +28,12 @@ std::string Row(const std::string& name, const Column& column) {
     text += Format("  %5.1f", 100.0 * static_cast<double>(within) /
                                   static_cast<double>(column.in_sigmas.size()));
   }
-  return text + Format("  %8.3g  %8.3g  %9.3g  %9.3g\n", Quantile(column.in_sigmas, 0.5),
-                       Quantile(column.in_sigmas, 1.0), Quantile(column.relative, 0.5),
-                       Quantile(column.sigmas, 0.5) / Quantile(column.errors, 0.5));
+  return text +
+         Format(
+             "  %8.3g  %8.3g  %9.3g  %9.3g\n", InterpolatedQuantile(column.in_sigmas, 0.5),
+             InterpolatedQuantile(column.in_sigmas, 1.0),
+             InterpolatedQuantile(column.relative, 0.5),
+             InterpolatedQuantile(column.sigmas, 0.5) / InterpolatedQuantile(column.errors, 0.5));
 }
 
 }  // namespace
@@ -130,7 +134,8 @@ std::string Times(const std::vector<const Json*>& records) {
   std::vector<double> times;
   for (const Json* record : records) times.push_back(record->value("time_s", 0.0));
   return Format("  time of an estimate: median %.2g s, 95 %% below %.2g s, longest %.2g s\n",
-                Quantile(times, 0.5), Quantile(times, 0.95), Quantile(times, 1.0));
+                InterpolatedQuantile(times, 0.5), InterpolatedQuantile(times, 0.95),
+                InterpolatedQuantile(times, 1.0));
 }
 
 double WorstDirection(const Json& record) {

@@ -61,8 +61,8 @@ float Noise(const Channel& channel, const cv::Mat1b& of = {}) {
         differences.push_back(std::abs(channel.value(row, column - 1) -
                                        2.0f * channel.value(row, column) +
                                        channel.value(row, column + 1)));
-  // 0.2533: the 20 % quantile of a unit normal's magnitude; sqrt 6: the filter's own gain.
-  return LowerQuantile(differences, 0.2) / (0.2533f * std::sqrt(6.0f));
+  // 0.2533: the 20 % quantile of a unit normal's magnitude.
+  return SigmaOfSecondDifference(LowerQuantile(differences, 0.2), 0.2533f);
 }
 
 // The smallest difference but 0 that it was shown. In a picture of 8 bits it is the step from one

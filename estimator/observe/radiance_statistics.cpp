@@ -28,8 +28,7 @@ double EstimateNoise(const Observations& all) {
       differences.push_back(
           std::abs(all.radiance[c][i - 1] - 2.0f * all.radiance[c][i] + all.radiance[c][i + 1]));
   }
-  // sqrt 6: the filter's own gain.
-  return static_cast<double>(Median(differences)) / (kMedianOfNormal * std::sqrt(6.0));
+  return SigmaOfSecondDifference(static_cast<double>(Median(differences)), kMedianOfNormal);
 }
 
 Eigen::Vector3d MedianColour(const Observations& observations) {

@@ -2,25 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
+#include "base/format.h"
 #include "rig/session/session.h"
 
 namespace turnlight::rig {
 namespace {
 
 constexpr double kMicro = 1e6;
+constexpr int kDigits = 12;                  // microdegrees of many turns
 constexpr std::int64_t kTurn = 360'000'000;  // microdegrees
 // A small file's share on disk: its line in session.json, journal and provenance.
 constexpr std::uint64_t kBytesOfLines = 4096;
 constexpr std::uint64_t kBytesOfStart = 1 << 20;  // camera, config, headers
-
-std::string Show(double value) {
-  std::ostringstream out;
-  out << std::setprecision(12) << value;
-  return out.str();
-}
 
 // A range of plain numbers: closed below unless above is set.
 struct Bounds {
@@ -34,9 +28,10 @@ struct Bounds {
 std::optional<PlanProblem> CheckBounds(const Bounds& bounds) {
   const bool low = bounds.above ? bounds.value > bounds.min : bounds.value >= bounds.min;
   if (low && bounds.value <= bounds.max) return std::nullopt;  // NaN is neither
-  return PlanProblem{bounds.key, Show(bounds.value) + ", allowed is a number " +
-                                     (bounds.above ? "above " : "from ") + Show(bounds.min) +
-                                     (bounds.above ? ", at most " : " to ") + Show(bounds.max)};
+  return PlanProblem{bounds.key,
+                     NumberText(bounds.value, kDigits) + ", allowed is a number " +
+                         (bounds.above ? "above " : "from ") + NumberText(bounds.min, kDigits) +
+                         (bounds.above ? ", at most " : " to ") + NumberText(bounds.max, kDigits)};
 }
 
 std::int64_t ToMicro(double deg) { return std::llround(deg * kMicro); }
@@ -46,7 +41,7 @@ double ToDegrees(std::int64_t micro) { return static_cast<double>(micro) / kMicr
 
 std::optional<PlanProblem> CheckDecimal(const char* key, double deg) {
   if (ToDegrees(ToMicro(deg)) == deg) return std::nullopt;
-  return PlanProblem{key, Show(deg) + ", allowed are at most 6 decimal places"};
+  return PlanProblem{key, NumberText(deg, kDigits) + ", allowed are at most 6 decimal places"};
 }
 
 std::int64_t Sign(const CapturePlan& plan) {
@@ -84,8 +79,8 @@ std::optional<PlanProblem> CheckExposures(const std::vector<double>& exposures_u
     if (auto problem = CheckBounds({"exposures_us", exposures_us[i], 0.1, 1e8})) return problem;
     if (std::find(exposures_us.begin(), exposures_us.begin() + static_cast<std::ptrdiff_t>(i),
                   exposures_us[i]) != exposures_us.begin() + static_cast<std::ptrdiff_t>(i))
-      return PlanProblem{"exposures_us",
-                         Show(exposures_us[i]) + " appears twice, allowed are different exposures"};
+      return PlanProblem{"exposures_us", NumberText(exposures_us[i], kDigits) +
+                                             " appears twice, allowed are different exposures"};
   }
   return std::nullopt;
 }
@@ -93,25 +88,28 @@ std::optional<PlanProblem> CheckExposures(const std::vector<double>& exposures_u
 // What only the whole plan shows.
 std::optional<PlanProblem> CheckTogether(const CapturePlan& plan) {
   if (plan.tolerance_deg * 2.0 >= plan.step_deg)
-    return PlanProblem{"tolerance_deg",
-                       Show(plan.tolerance_deg) + ", allowed is less than half of step_deg, " +
-                           Show(plan.step_deg) + ": neighbouring angles could not be told apart"};
+    return PlanProblem{"tolerance_deg", NumberText(plan.tolerance_deg, kDigits) +
+                                            ", allowed is less than half of step_deg, " +
+                                            NumberText(plan.step_deg, kDigits) +
+                                            ": neighbouring angles could not be told apart"};
   if (plan.closure && plan.count > 1 && Swept(plan) % kTurn == 0)
     return PlanProblem{"closure", "true, but the last of the " + std::to_string(plan.count) +
                                       " keyframes is at the start already, " +
-                                      Show(ToDegrees(Swept(plan))) +
+                                      NumberText(ToDegrees(Swept(plan)), kDigits) +
                                       " deg later; allowed is one keyframe less, or false"};
   if (!plan.limits) return std::nullopt;
   const AngleLimits& limits = *plan.limits;
   const auto range = EstimatePlan(plan, {}, {}).range;
   if (!(limits.min_deg < limits.max_deg))
-    return PlanProblem{"limits_deg", Show(limits.min_deg) + " to " + Show(limits.max_deg) +
+    return PlanProblem{"limits_deg", NumberText(limits.min_deg, kDigits) + " to " +
+                                         NumberText(limits.max_deg, kDigits) +
                                          ", allowed is a lower end below the upper one"};
   if (range.min_deg < limits.min_deg || range.max_deg > limits.max_deg)
-    return PlanProblem{"limits_deg", "the plan commands angles from " + Show(range.min_deg) +
-                                         " to " + Show(range.max_deg) +
-                                         " (with the approach), allowed by the table are " +
-                                         Show(limits.min_deg) + " to " + Show(limits.max_deg)};
+    return PlanProblem{
+        "limits_deg",
+        "the plan commands angles from " + NumberText(range.min_deg, kDigits) + " to " +
+            NumberText(range.max_deg, kDigits) + " (with the approach), allowed by the table are " +
+            NumberText(limits.min_deg, kDigits) + " to " + NumberText(limits.max_deg, kDigits)};
   return std::nullopt;
 }
 

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "base/format.h"
+#include "base/statistics.h"
 
 namespace turnlight::rig {
 namespace {
 
-constexpr double kBrightShare = 0.01;      // of pixels
-constexpr double kLitLevel = 0.01;         // of white
-constexpr double kMadToSigma = 1.4826;     // of a normal distribution
-constexpr double kSecondDifference = 6.0;  // variance of a - 2b + c over that of each
+constexpr double kBrightShare = 0.01;  // of pixels
+constexpr double kLitLevel = 0.01;     // of white
 constexpr double kVarianceOfRounding = 1.0 / 12.0;
 constexpr int kBlock = 8;  // pixels
 
@@ -27,23 +27,9 @@ float SaturationLevel(const calib::Radiometry& radiometry) {
                             (radiometry.white - radiometry.black));
 }
 
-std::string Percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g %%", 100.0 * share);
-  return text;
-}
+std::string Percent(double share) { return Format("%.3g %%", 100.0 * share); }
 
-std::string Ratio(double ratio) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g", ratio);
-  return text;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+std::string Ratio(double ratio) { return NumberText(ratio, 3); }
 
 // Fills in the blocks' part. counts(row, i): whether a value takes part.
 template <typename Counts>
@@ -100,9 +86,9 @@ FrameStatistics MeasureFrame(const cv::Mat& image, const calib::Radiometry& radi
     }
   }
   const auto count = static_cast<double>(brightest.size());
-  const auto rank = brightest.begin() + static_cast<std::ptrdiff_t>((1.0 - kBrightShare) * count);
-  std::nth_element(brightest.begin(), rank, brightest.end());
-  return {sum / (count * channels), *rank, static_cast<double>(saturated) / count};
+  const auto rank = static_cast<std::size_t>((1.0 - kBrightShare) * count);
+  return {sum / (count * channels), OrderStatistic(brightest, rank),
+          static_cast<double>(saturated) / count};
 }
 
 FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
@@ -125,7 +111,8 @@ FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
                   "saturated: " + Percent(found.saturated_share) + " of the pixels, allowed are " +
                       Percent(gate.max_saturated_share) + "; shorten the exposure");
   if (previous.empty() || previous.size() < gate.min_history) return check;
-  const double usual = Median(previous);
+  std::vector<double> levels = previous;
+  const double usual = Median(levels);
   if (!(usual > 0.0)) return check;
   const double ratio = found.mean_level / usual;
   const std::string measured = "the mean level is " + Ratio(ratio) + " of the median of the " +
@@ -171,8 +158,7 @@ FrameDifference CompareFrames(const cv::Mat& first, const cv::Mat& second,
   const double scale = 1.0 / (radiometry.white - radiometry.black);
   const double rounding =
       first.depth() == CV_32F ? 0.0 : std::sqrt(2.0 * kVarianceOfRounding) * scale;
-  const double measured =
-      bends.empty() ? 0.0 : kMadToSigma * Median(std::move(bends)) / std::sqrt(kSecondDifference);
+  const double measured = SigmaOfSecondDifference(Median(bends), kMedianOfNormal);
   result.noise_rms = std::max({measured, rounding, 1e-9});
   CompareBlocks(a, b, channels, counts, result);
   return result;

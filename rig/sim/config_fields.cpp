@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "base/format.h"
 namespace turnlight::rig::sim {
 namespace {
 
@@ -10,23 +11,17 @@ constexpr std::int64_t kAnyInteger = 1'000'000'000;
 
 }  // namespace
 
-std::string ShowNumber(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
-
 void ConfigChecker::From(const std::string& key, double value, double min, double max) {
   Require(value >= min && value <= max, key,
-          ShowNumber(value) + ", allowed is a number from " + ShowNumber(min) + " to " +
-              ShowNumber(max));
+          NumberText(value) + ", allowed is a number from " + NumberText(min) + " to " +
+              NumberText(max));
 }
 
 void ConfigChecker::Above(const std::string& key, double value, double above, double max,
                           const std::string& because) {
   Require(value > above && value <= max, key,
-          ShowNumber(value) + ", allowed is a number above " + ShowNumber(above) +
-              (because.empty() ? "" : " (" + because + ")") + " and at most " + ShowNumber(max));
+          NumberText(value) + ", allowed is a number above " + NumberText(above) +
+              (because.empty() ? "" : " (" + because + ")") + " and at most " + NumberText(max));
 }
 
 void ConfigChecker::Require(bool good, const std::string& key, const std::string& text) {

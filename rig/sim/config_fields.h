@@ -16,9 +16,6 @@ struct ConfigProblem {
   std::string text;
 };
 
-// "%.9g".
-std::string ShowNumber(double value);
-
 // Keeps the first refusal, so that checks read as a list.
 class ConfigChecker {
  public:

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "base/format.h"
 #include "base/random.h"
 
 namespace turnlight::rig::sim {
@@ -116,8 +117,8 @@ Result<CameraSettings> MockCamera::Set(const CameraSettings& settings, DeviceTim
   if (!in_control_) return DeviceError(config_.serial + ": control lost, open it again");
   if (!(settings.exposure_us > 0.0) || !std::isfinite(settings.exposure_us) ||
       !std::isfinite(settings.gain_db))
-    return DeviceError(config_.serial + ": exposure " + ShowNumber(settings.exposure_us) +
-                       " us, gain " + ShowNumber(settings.gain_db) +
+    return DeviceError(config_.serial + ": exposure " + NumberText(settings.exposure_us) +
+                       " us, gain " + NumberText(settings.gain_db) +
                        " dB, allowed are finite numbers and an exposure above 0");
   settings_.exposure_us =
       std::round(std::clamp(settings.exposure_us, kMinExposureUs, kMaxExposureUs));

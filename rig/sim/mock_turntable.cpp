@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/format.h"
 namespace turnlight::rig::sim {
 namespace {
 
@@ -227,9 +228,9 @@ Status MockTurntable::MoveTo(double angle_deg, DeviceTime now) {
   if (Status status = CheckLink(now); !status) return status;
   if (!open_) return DeviceError(config_.serial + ": not open");
   if (!(std::abs(angle_deg) <= kMaxCommandDeg))
-    return DeviceError(config_.serial + ": move to " + ShowNumber(angle_deg) +
-                       " degrees, allowed are " + ShowNumber(-kMaxCommandDeg) + " to " +
-                       ShowNumber(kMaxCommandDeg));
+    return DeviceError(config_.serial + ": move to " + NumberText(angle_deg) +
+                       " degrees, allowed are " + NumberText(-kMaxCommandDeg) + " to " +
+                       NumberText(kMaxCommandDeg));
   const Segment& last = segments_.back();
   if (now < last.end) return DeviceError(config_.serial + ": it is moving already");
   if (last.outcome != TableMotion::kIdle)

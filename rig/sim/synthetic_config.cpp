@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/angles.h"
+#include "base/format.h"
 
 namespace turnlight::rig::sim {
 namespace {
@@ -14,9 +15,9 @@ constexpr double kMaxValue = 1e6;
 void Within(ConfigChecker& check, const std::string& key, Interval interval, double min,
             double max) {
   check.Require(interval.low >= min && interval.low <= interval.high && interval.high <= max, key,
-                "[" + ShowNumber(interval.low) + ", " + ShowNumber(interval.high) +
-                    "], allowed is a pair of rising numbers from " + ShowNumber(min) + " to " +
-                    ShowNumber(max));
+                "[" + NumberText(interval.low) + ", " + NumberText(interval.high) +
+                    "], allowed is a pair of rising numbers from " + NumberText(min) + " to " +
+                    NumberText(max));
 }
 
 void CheckTarget(ConfigChecker& check, const SyntheticTarget& target) {
@@ -31,7 +32,7 @@ void CheckTarget(ConfigChecker& check, const SyntheticTarget& target) {
     check.From("target/depth", blob->depth, 0.0, 0.5);
     check.From("target/segments", blob->segments, 8, 1024);
     check.Require(blob->segments % 2 == 0, "target/segments",
-                  ShowNumber(blob->segments) + ", allowed is an even number");
+                  NumberText(blob->segments) + ", allowed is an even number");
   }
 }
 
@@ -45,7 +46,7 @@ void CheckMotion(ConfigChecker& check, const SyntheticConfig& config) {
   check.From("motion/tilt_deg", motion.tilt_deg, -90.0, 90.0);
   check.Require(motion.tilt_deg == 0.0 || std::holds_alternative<calib::PlaneShape>(config.target),
                 "motion/tilt_deg",
-                ShowNumber(motion.tilt_deg) + ", allowed is 0, as only a plane is tilted");
+                NumberText(motion.tilt_deg) + ", allowed is 0, as only a plane is tilted");
 }
 
 void CheckCamera(ConfigChecker& check, const SyntheticCamera& camera) {

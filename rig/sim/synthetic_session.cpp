@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "base/random.h"
 #include "base/sha256.h"
+#include "base/statistics.h"
 #include "estimator/target/renderer.h"
 #include "rig/session/image_file.h"
 #include "rig/session/session.h"
@@ -41,11 +43,10 @@ double ExposureForClipping(const SyntheticConfig& config, const Studio& studio) 
   }
   if (values.empty()) return kReferenceExposureUs;
   const auto clipped =
-      static_cast<std::ptrdiff_t>(*config.sensor.clip_share * static_cast<double>(values.size()));
-  const auto quantile = values.end() - 1 - clipped;
-  std::nth_element(values.begin(), quantile, values.end());
-  if (!(*quantile > 0.0f)) return kReferenceExposureUs;
-  return kReferenceExposureUs * SaturatingRadiance(studio.radiometry) / *quantile;
+      static_cast<std::size_t>(*config.sensor.clip_share * static_cast<double>(values.size()));
+  const float brightest = OrderStatistic(values, values.size() - 1 - clipped);
+  if (!(brightest > 0.0f)) return kReferenceExposureUs;
+  return kReferenceExposureUs * SaturatingRadiance(studio.radiometry) / brightest;
 }
 
 // A studio, and the one exposure of all frames if the config asks for clipping.
@@ -130,11 +131,7 @@ Result<FrameRecord> WriteFrame(const SyntheticConfig& config, const SyntheticFra
   return record;
 }
 
-std::string Percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g %%", 100.0 * share);
-  return text;
-}
+std::string Percent(double share) { return Format("%.2g %%", 100.0 * share); }
 
 // What the frames added up to.
 struct Tally {

@@ -13,6 +13,7 @@
 
 #include "base/angles.h"
 #include "base/file.h"
+#include "base/statistics.h"
 #include "bench/studies/job_runner.h"
 #include "bench/studies/random_scene.h"
 #include "bench/studies/report.h"
@@ -43,10 +44,10 @@ TEST(Band, IsTheBinomialTable) {
 }
 
 TEST(QuantileOf, LiesBetweenOrderStatistics) {
-  EXPECT_EQ(Quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
-  EXPECT_EQ(Quantile({0.0, 1.0}, 0.25), 0.25);
-  EXPECT_EQ(Quantile({1.0, 1.0, INFINITY, INFINITY}, 1.0), INFINITY);
-  EXPECT_TRUE(std::isnan(Quantile({}, 0.5)));
+  EXPECT_EQ(InterpolatedQuantile({3.0, 1.0, 2.0}, 0.5), 2.0);
+  EXPECT_EQ(InterpolatedQuantile({0.0, 1.0}, 0.25), 0.25);
+  EXPECT_EQ(InterpolatedQuantile({1.0, 1.0, INFINITY, INFINITY}, 1.0), INFINITY);
+  EXPECT_TRUE(std::isnan(InterpolatedQuantile({}, 0.5)));
 }
 
 TEST(Matching, PairsTheNearestAndLeavesTheRest) {
