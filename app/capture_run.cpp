@@ -53,21 +53,21 @@ struct Prepared {
   rig::RigSetup rig;
   Recorder recorder;
   std::unique_ptr<CaptureDisplay> display;
-  std::optional<graph::Graph> graph;
+  std::optional<nodes::graph::Graph> graph;
 };
 
 Status Tap(Prepared& run) {
   CaptureDisplay* display = run.display.get();
-  for (const graph::NodeConfig& node : run.graph->parts().config.nodes) {
+  for (const nodes::graph::NodeConfig& node : run.graph->parts().config.nodes) {
     Status status;
     if (node.type == "keyframes")
       status = run.graph->Tap<nodes::Bracket>(
           node.name + ".bracket",
-          [display](const graph::Message<nodes::Bracket>& m) { display->OnBracket(*m); });
+          [display](const nodes::graph::Message<nodes::Bracket>& m) { display->OnBracket(*m); });
     if (node.type == "estimator")
       status = run.graph->Tap<nodes::Estimate>(
           node.name + ".estimate",
-          [display](const graph::Message<nodes::Estimate>& m) { display->OnEstimate(*m); });
+          [display](const nodes::graph::Message<nodes::Estimate>& m) { display->OnEstimate(*m); });
     if (!status) return status;
   }
   return {};
@@ -133,8 +133,8 @@ Error NotThere(Error error, Start start) {
 
 // The graph of the task. A capture without estimates leaves the estimator out, and a config that
 // is wrong about it is refused nevertheless.
-Result<graph::Graph> MakeGraph(RunConfig& config, const rig::RigSetup& rig, CaptureGoal goal,
-                               std::shared_ptr<const nodes::CaptureWork> work) {
+Result<nodes::graph::Graph> MakeGraph(RunConfig& config, const rig::RigSetup& rig, CaptureGoal goal,
+                                      std::shared_ptr<const nodes::CaptureWork> work) {
   auto graph = BuildGraph(config, rig, work);
   if (!graph || goal == CaptureGoal::kEstimate || !RemoveNodes(config.graph, "estimator"))
     return graph;
@@ -207,8 +207,8 @@ std::string ReplayHint(const fs::path& log) {
 int RunGraph(Prepared& run, const RunFolder& folder, const fs::path& log = {}) {
   // In a replay there is no keyframe to wait for: what the log holds is there already.
   const InterruptStopsGraph interrupt(
-      *run.graph, log.empty() ? graph::StopMode::kDrain : graph::StopMode::kNow);
-  graph::RunOptions options;
+      *run.graph, log.empty() ? nodes::graph::StopMode::kDrain : nodes::graph::StopMode::kNow);
+  nodes::graph::RunOptions options;
   options.log = folder.NextLog();
   const auto report = log.empty() ? run.graph->Run(options) : run.graph->Replay(log, options);
   if (!report) return FailIn(folder, report.error());
@@ -295,7 +295,7 @@ int ReplayCapture(const fs::path& log, const RunFolder& folder, const Drivers& d
   if (std::error_code ignored; fs::is_directory(log, ignored))
     return Fail({ErrorKind::kInput, log.string() + ": a folder, allowed is the log of a run, " +
                                         (log / "log").string() + " for example"});
-  const auto reader = graph::LogReader::Open(log);
+  const auto reader = nodes::graph::LogReader::Open(log);
   if (!reader) return Fail(reader.error());
   const RunFolder source = SourceOf(log);
   const auto begun = source.ReadBegun();

@@ -55,7 +55,8 @@ int Draw(const std::string& file, bool dot) {
   if (!rig) return Fail(rig.error());
   const auto graph = BuildGraph(*config, *rig);
   if (!graph) return Fail(graph.error());
-  std::cout << (dot ? graph::DrawDot(graph->parts()) : graph::DrawText(graph->parts()))
+  std::cout << (dot ? nodes::graph::DrawDot(graph->parts())
+                    : nodes::graph::DrawText(graph->parts()))
             << std::flush;
   return kDone;
 }

@@ -63,7 +63,7 @@ PictureFormat ChooseFormat(const rig::Session& session) {
 }
 
 Result<estimator::model::Scene> BuildScene(const RenderArguments& arguments) {
-  auto scene = rig::ReadScene(arguments.params);
+  auto scene = rig::sim::ReadScene(arguments.params);
   if (!scene) return scene;
   if (!arguments.lights.empty()) scene->lights.clear();
   for (const std::string& text : arguments.lights) {

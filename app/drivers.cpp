@@ -4,8 +4,8 @@ namespace turnlight::app {
 
 const Drivers& BuiltInDrivers() {
   static const Drivers kDrivers{
-      .tables = {{"mock", SimulatedDriver<rig::TableDevice>(rig::MakeMockTable)}},
-      .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::MakeMockCamera)}}};
+      .tables = {{"mock", SimulatedDriver<rig::TableDevice>(rig::sim::MakeMockTable)}},
+      .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::sim::MakeMockCamera)}}};
   return kDrivers;
 }
 

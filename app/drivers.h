@@ -19,7 +19,7 @@ namespace turnlight::app {
 template <typename Device>
 using RealDriver = std::function<Result<Device>(StrictObject keys)>;
 template <typename Device>
-using SimulatedDriver = std::function<Result<Device>(StrictObject keys, rig::SimulatedWorld&)>;
+using SimulatedDriver = std::function<Result<Device>(StrictObject keys, rig::sim::SimulatedWorld&)>;
 
 template <typename Device>
 struct Driver {

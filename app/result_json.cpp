@@ -50,8 +50,8 @@ ordered_json ModelToJson(const Estimate& estimate) {
   json["lights"] = estimate.lights.size();
   json["near"] = ordered_json::array();
   for (const LightEstimate& light : estimate.lights) json["near"].push_back(light.near);
-  json["diffuse"] = rig::ModelWord(estimate.reflectance.diffuse_model);
-  json["specular"] = rig::ModelWord(estimate.reflectance.specular_model);
+  json["diffuse"] = rig::sim::ModelWord(estimate.reflectance.diffuse_model);
+  json["specular"] = rig::sim::ModelWord(estimate.reflectance.specular_model);
   json["albedo"] = "uniform";
   json["ladder"] = ordered_json::array();
   for (const estimator::model::Rung& rung : estimate.ladder)

@@ -73,7 +73,7 @@ const Driver<Device>* FindDriver(const std::vector<Driver<Device>>& drivers, Str
 
 template <typename Device>
 Result<Device> Make(const Driver<Device>& driver, const StrictObject& keys,
-                    rig::SimulatedWorld* world) {
+                    rig::sim::SimulatedWorld* world) {
   return world ? std::get<SimulatedDriver<Device>>(driver.make)(keys, *world)
                : std::get<RealDriver<Device>>(driver.make)(keys);
 }
@@ -129,7 +129,7 @@ Status RequireKnown(const RunConfig& config) {
 
 // The simulation turns in a way that no calibration can say.
 Status RequireTurntable(const RunConfig& config) {
-  const bool orbit = config.simulation->camera.scene.motion.kind == rig::MotionKind::kOrbit;
+  const bool orbit = config.simulation->camera.scene.motion.kind == rig::sim::MotionKind::kOrbit;
   if (!config.calibration || !orbit) return {};
   return InputError(config.rig.Where("calibration") +
                     ": it is of a rig whose target turns, simulation/motion/kind is orbit; allowed "
@@ -154,7 +154,7 @@ Result<rig::RigSetup> MakeRealRig(const RunConfig& config, const Chosen& chosen)
 
 Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& chosen) {
   if (const Status status = RequireTurntable(config); !status) return Forward(status);
-  auto world = rig::BuildWorld(*config.simulation);
+  auto world = rig::sim::BuildWorld(*config.simulation);
   if (!world) return Forward(world);
   auto table = Make(*chosen.table, chosen.table_keys, &*world);
   if (!table) return Forward(table);
@@ -164,11 +164,11 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
       .table = std::move(*table),
       .camera = std::move(*camera),
       .length_unit = config.length_unit,
-      .known =
-          config.calibration ? rig::KnowledgeOf(*config.calibration) : rig::KnowledgeOf(*world),
-      .target = config.target ? *config.target : rig::TargetOf(*world),
+      .known = config.calibration ? rig::KnowledgeOf(*config.calibration)
+                                  : rig::sim::KnowledgeOf(*world),
+      .target = config.target ? *config.target : rig::sim::TargetOf(*world),
       .calibration = config.calibration,
-      .truth = rig::TruthToJson(world->studio->scene, "the simulated rig of " + config.name),
+      .truth = rig::sim::TruthToJson(world->studio->scene, "the simulated rig of " + config.name),
       .identity = {}};
 }
 
@@ -225,12 +225,12 @@ rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const rig::RigSetup&
           .table_identity = table};
 }
 
-Result<graph::Graph> BuildGraph(const RunConfig& config, const rig::RigSetup& rig,
-                                std::shared_ptr<const nodes::CaptureWork> work) {
+Result<nodes::graph::Graph> BuildGraph(const RunConfig& config, const rig::RigSetup& rig,
+                                       std::shared_ptr<const nodes::CaptureWork> work) {
   nodes::KeyframesJob job;
   job.plan = config.plan;
-  auto graph = graph::Graph::Build(config.graph,
-                                   nodes::CaptureNodes({rig, std::move(job), std::move(work)}));
+  auto graph = nodes::graph::Graph::Build(
+      config.graph, nodes::CaptureNodes({rig, std::move(job), std::move(work)}));
   if (!graph) return graph;
   if (const Status status = graph->Configure(); !status) return Forward(status);
   return graph;

@@ -42,7 +42,7 @@ rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const rig::RigSetup&
 
 // Built and given its params; nothing runs. work is filled in before it does. Fails (kInput) with
 // file, line, key and what is allowed.
-Result<graph::Graph> BuildGraph(
+Result<nodes::graph::Graph> BuildGraph(
     const RunConfig& config, const rig::RigSetup& rig,
     std::shared_ptr<const nodes::CaptureWork> work = std::make_shared<const nodes::CaptureWork>());
 

@@ -39,7 +39,7 @@ Status RefuseOldShape(const std::string& file, StrictObject rig) {
 }
 
 // Exactly one node takes the frames, and one keeps them.
-Status RequireNodes(const graph::GraphConfig& graph) {
+Status RequireNodes(const nodes::graph::GraphConfig& graph) {
   for (const std::string type : {"keyframes", "recorder"}) {
     const auto count = std::count_if(graph.nodes.begin(), graph.nodes.end(),
                                      [&](const auto& node) { return node.type == type; });
@@ -62,7 +62,7 @@ std::string HashOf(const Document& document, const std::string& rig_files,
          " simulation " + Sha256Hex(text("simulation")) + " graph " + graph_hash;
 }
 
-rig::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
+rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
   const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
   return {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)};
 }
@@ -78,7 +78,7 @@ Status ReadPlan(const std::optional<StrictObject>& capture, rig::CapturePlan& in
 Status ReadWorld(const std::optional<StrictObject>& simulation, RunConfig& config) {
   if (!simulation) return {};
   config.simulation_where = simulation->Where("");
-  auto read = rig::ReadSimulation(*simulation, AnglesOf(config.plan));
+  auto read = rig::sim::ReadSimulation(*simulation, AnglesOf(config.plan));
   if (!read) return Forward(read);
   config.simulation = std::move(*read);
   return {};
@@ -100,7 +100,7 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   const auto capture = root.OptionalObject("capture");
   const StrictObject rig = root.Object("rig");
   const auto simulation = root.OptionalObject("simulation");
-  auto graph = graph::ReadGraphConfig(document, root);
+  auto graph = nodes::graph::ReadGraphConfig(document, root);
   if (const Status status = root.Finish(); !status) return Forward(status);
   if (const Status status = RefuseOldShape(file, rig); !status) return Forward(status);
   if (!graph) return Forward(graph);
@@ -136,9 +136,9 @@ Result<bool> IsRunConfig(const fs::path& path) {
   return document->root.is_object() && HasRunKeys(*document);
 }
 
-bool RemoveNodes(graph::GraphConfig& graph, const std::string& type) {
+bool RemoveNodes(nodes::graph::GraphConfig& graph, const std::string& type) {
   std::set<std::string> removed;
-  for (const graph::NodeConfig& node : graph.nodes)
+  for (const nodes::graph::NodeConfig& node : graph.nodes)
     if (node.type == type) removed.insert(node.name);
   const auto of_removed = [&](const std::string& topic) {
     return removed.count(topic.substr(0, topic.find('.'))) > 0;

@@ -33,7 +33,7 @@ namespace turnlight::app {
 
 struct RunConfig {
   // Its sections point into graph.document.
-  RunConfig(StrictObject rig_section, graph::GraphConfig graph_config)
+  RunConfig(StrictObject rig_section, nodes::graph::GraphConfig graph_config)
       : rig(rig_section), table(rig_section), camera(rig_section), graph(std::move(graph_config)) {}
 
   std::string file;
@@ -46,9 +46,9 @@ struct RunConfig {
   std::optional<rig::RigCalibration> calibration;
   std::optional<rig::RigTarget> target;
   std::string length_unit = "mm";
-  std::optional<rig::SimulationConfig> simulation;
+  std::optional<rig::sim::SimulationConfig> simulation;
   std::string simulation_where;  // "FILE:LINE: simulation"
-  graph::GraphConfig graph;
+  nodes::graph::GraphConfig graph;
 };
 
 // Fails (kInput) with file, line, key and what is allowed; also of a graph that would take no
@@ -67,6 +67,6 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
 Result<bool> IsRunConfig(const std::filesystem::path& path);
 
 // Takes the nodes of a type out, with their connections and records. Whether there were any.
-bool RemoveNodes(graph::GraphConfig& graph, const std::string& type);
+bool RemoveNodes(nodes::graph::GraphConfig& graph, const std::string& type);
 
 }  // namespace turnlight::app

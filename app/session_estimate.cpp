@@ -115,7 +115,7 @@ Result<estimator::EstimateOptions> MakeOptions(const SessionEstimateOptions& giv
   estimator::EstimateOptions options;
   options.model = given.model;
   if (given.initial.empty()) return options;
-  auto guess = rig::ReadInitialGuess(given.initial);
+  auto guess = rig::sim::ReadInitialGuess(given.initial);
   if (!guess) return Forward(guess);
   options.initial = std::move(*guess);
   return options;

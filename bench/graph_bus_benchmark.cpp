@@ -20,7 +20,7 @@
 
 #include "nodes/graph/graph.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 struct Small {
   std::int64_t number = 0;
@@ -296,7 +296,7 @@ void RegisterAll() {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);

@@ -15,9 +15,9 @@ struct Truth {
 };
 
 Result<Truth> ReadTruth(const std::filesystem::path& path) {
-  const auto scene = rig::ReadScene(path);
+  const auto scene = rig::sim::ReadScene(path);
   if (scene) return Truth{*scene, false};
-  const auto guess = rig::ReadInitialGuess(path);
+  const auto guess = rig::sim::ReadInitialGuess(path);
   if (!guess) return Forward(scene);
   return Truth{{guess->lights, {}}, true};
 }

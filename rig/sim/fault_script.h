@@ -53,7 +53,7 @@
 #include "base/strict_object.h"
 #include "rig/device.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 enum class FaultKind {
   kLostSteps,
@@ -135,4 +135,4 @@ class FaultScript {
   std::vector<FiredFault> fired_;
 };
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMinExposureUs = 10.0;
@@ -310,4 +310,4 @@ MockCamera::Deviation MockCamera::DeviationFromStatic(const RawFrame& frame,
   return deviation;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -34,7 +34,7 @@
 #include "rig/sim/mock_turntable.h"
 #include "rig/sim/studio.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 // The studio of a camera's scene, its radiometry with both references. Fails like BuildStudio.
 Result<Studio> BuildStudio(const MockCameraConfig& config);
@@ -109,4 +109,4 @@ class MockCamera : public Camera {
   std::vector<Render> renders_;  // the newest last
 };
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -1,6 +1,6 @@
 #include "rig/sim/mock_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 void CheckSerial(ConfigChecker& check, const std::string& serial) {
@@ -98,4 +98,4 @@ Status ReadShutter(StrictObject object, MockCameraConfig& config) {
   return Settle(object, config);
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

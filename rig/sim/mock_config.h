@@ -12,7 +12,7 @@
 #include "rig/sim/config_fields.h"
 #include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 enum class TableFeedback {
   kOpenLoop,  // the controller reports the steps it sent, whether the motor took them or not
@@ -73,4 +73,4 @@ Status ReadTableWorld(StrictObject object, MockTurntableConfig& config);
 Status ReadCameraDevice(StrictObject object, MockCameraConfig& config);
 Status ReadShutter(StrictObject object, MockCameraConfig& config);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -5,7 +5,7 @@
 #include "rig/sim/blob.h"
 #include "rig/sim/mock_camera.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 PictureFormat FormatOf(const SyntheticConfig& scene) {
@@ -76,4 +76,4 @@ RigTarget TargetOf(const SimulatedWorld& world) {
   return {world.studio->target, CopyOf(world.studio->target)};
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -13,7 +13,7 @@
 #include "rig/sim/simulation.h"
 #include "rig/sim/studio.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 // Shared by the devices in it: the camera photographs at the table's true angle.
 struct SimulatedWorld {
@@ -35,4 +35,4 @@ Result<CameraDevice> MakeMockCamera(StrictObject object, const SimulatedWorld& w
 RigKnowledge KnowledgeOf(const SimulatedWorld& world);
 RigTarget TargetOf(const SimulatedWorld& world);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

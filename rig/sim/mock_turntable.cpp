@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMaxCommandDeg = 36000.0;
@@ -356,4 +356,4 @@ void MockTurntable::Creep(double by_deg, DeviceTime begin, DeviceTime duration) 
   Append(segment);
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -22,7 +22,7 @@
 #include "rig/sim/fault_script.h"
 #include "rig/sim/mock_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 // Rest to rest over a distance at limited speed and acceleration.
 class TrapezoidalProfile {
@@ -88,4 +88,4 @@ class MockTurntable : public Turntable {
   DeviceTime unplugged_until_{};
 };
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

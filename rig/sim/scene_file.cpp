@@ -12,7 +12,7 @@
 #include "base/angles.h"
 #include "base/file.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using estimator::model::DiffuseModel;
@@ -347,4 +347,4 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   return json.dump(1) + "\n";
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -22,7 +22,7 @@
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/scene.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 // A whole scene, ready to be rendered. Fails (kInput): no reflectance, a light without intensity, a
 // position and a direction (or a position and an inverse_distance) that disagree by more than 0.1
@@ -47,4 +47,4 @@ estimator::model::Reflectance ReadReflectance(StrictObject& object);
 std::string ModelWord(estimator::model::SpecularModel model);  // "none", "phong", "blinn-phong"
 std::string ModelWord(estimator::model::DiffuseModel model);   // "lambert", "oren-nayar"
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngles& angles) {
   SimulationConfig config;
@@ -26,4 +26,4 @@ Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngle
   return config;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -18,7 +18,7 @@
 #include "rig/sim/fault_script.h"
 #include "rig/sim/mock_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 struct SimulationConfig {
   MockTurntableConfig table;
@@ -29,4 +29,4 @@ struct SimulationConfig {
 // Reads and validates; refuses unknown keys. Messages name file, line, key and what is allowed.
 Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngles& angles);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "rig/sim/random_scene.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 Result<calib::CameraModel> MakeCamera(const SyntheticCamera& config) {
@@ -138,4 +138,4 @@ cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
   return image;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -15,7 +15,7 @@
 #include "estimator/target/renderer.h"
 #include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 struct Studio {
   calib::CameraModel camera;
@@ -51,4 +51,4 @@ cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
                    const calib::Exposure& exposure, const RandomStream& random,
                    const cv::Mat3f& radiance);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -9,14 +9,14 @@
 #include "rig/sim/scene_file.h"
 #include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using nlohmann::ordered_json;
 
 constexpr std::uint64_t kMaxFileBytes = 16 << 20;
 
-using rig::ReadField;  // beside those below, which would hide it
+using rig::sim::ReadField;  // beside those below, which would hide it
 
 void ReadField(StrictObject& object, const char* key, Interval& value) {
   if (const auto pair = object.OptionalNumbers(key, 2)) value = {(*pair)[0], (*pair)[1]};
@@ -357,4 +357,4 @@ std::string ToYaml(const SyntheticConfig& config) {
   return yaml;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

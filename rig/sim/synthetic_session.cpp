@@ -13,7 +13,7 @@
 #include "rig/sim/scene_file.h"
 #include "rig/sim/studio.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kReferenceExposureUs = 1000.0;
@@ -219,4 +219,4 @@ Result<SyntheticReport> WriteSynthetic(const SyntheticConfig& config,
   return Summarise(config, tally);
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -61,14 +61,14 @@ Drivers Extended() {
 class FolderCameraTest : public testing::Test {
  protected:
   void SetUp() override {
-    rig::SyntheticConfig config = SmallConfig();
-    config.target = rig::Blob{40.0, 0.3, 24};
-    config.motion.kind = rig::MotionKind::kTable;
+    rig::sim::SyntheticConfig config = SmallConfig();
+    config.target = rig::sim::Blob{40.0, 0.3, 24};
+    config.motion.kind = rig::sim::MotionKind::kTable;
     WriteSession(config, folder_ / "taken");
-    const auto studio = rig::BuildStudio(config);
+    const auto studio = rig::sim::BuildStudio(config);
     ASSERT_TRUE(studio) << studio.error().text;
     rig::RigCalibration calibration(studio->camera);
-    calibration.geometry = std::get<calib::TurntableGeometry>(rig::GeometryOf(config.motion));
+    calibration.geometry = std::get<calib::TurntableGeometry>(rig::sim::GeometryOf(config.motion));
     calibration.radiometry = studio->radiometry;
     calibration.devices = {{"turnlight", "folder camera", "frames"},
                            {"turnlight", "obedient table", "1"},

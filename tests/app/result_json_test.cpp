@@ -120,7 +120,7 @@ TEST(ResultJson, ReadsBackAsTheSameScene) {
   e.reflectance.roughness = DegToRad(20.0);
   e.reflectance.ambient = 1.0 / 3.0;
   e.lights[1].light.color = {1.0, 0.9, 0.7};
-  const auto scene = rig::ParseScene(ToJson(e).dump(1), "result.json");
+  const auto scene = rig::sim::ParseScene(ToJson(e).dump(1), "result.json");
   ASSERT_TRUE(scene) << scene.error().text;
   ASSERT_EQ(scene->lights.size(), 2u);
   for (int i = 0; i < 2; ++i) {

@@ -59,7 +59,7 @@ class RenderCheck : public testing::TestWithParam<RenderCase> {};
 TEST_P(RenderCheck, EveryFrameTwoPixelsInsideTheOutline) {
   if (Missing(GetParam().name)) GTEST_SKIP() << "no shared data " << Folder(GetParam().name);
   const Data data = Load(GetParam().name);
-  const auto scene = rig::ReadScene(data.truth);
+  const auto scene = rig::sim::ReadScene(data.truth);
   ASSERT_TRUE(scene) << scene.error().text;
   const target::Geometry geometry(data.shape);
   const calib::RayGrid rays(*data.session.camera);
@@ -119,7 +119,7 @@ class PovScene : public testing::TestWithParam<const char*> {};
 TEST_P(PovScene, IsFoundWithoutAHint) {
   if (Missing(GetParam())) GTEST_SKIP() << "no shared data " << Folder(GetParam());
   const Data data = Load(GetParam());
-  const auto truth = rig::ReadScene(data.truth);
+  const auto truth = rig::sim::ReadScene(data.truth);
   ASSERT_TRUE(truth);
   const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
                                     calib::RayGrid(*data.session.camera), {});
@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(PovRay, PovScene,
 TEST(PovSceneTest, ThreeLightsFromAHintFiveDegreesOff) {
   if (Missing("pov_orbit_sphere_3")) GTEST_SKIP() << "no shared data";
   const Data data = Load("pov_orbit_sphere_3");
-  const auto truth = rig::ReadScene(data.truth);
+  const auto truth = rig::sim::ReadScene(data.truth);
   ASSERT_TRUE(truth);
   EstimateOptions options;
   options.initial = model::InitialGuess{};
@@ -159,7 +159,7 @@ TEST(PhotographTest, OneLightEachWithinTwoDegreesInTheMean) {
   for (const char* name : names) {
     if (Missing(name)) GTEST_SKIP() << "no shared data " << Folder(name);
     const Data data = Load(name);
-    const auto truth = rig::ReadInitialGuess(data.truth);
+    const auto truth = rig::sim::ReadInitialGuess(data.truth);
     ASSERT_TRUE(truth);
     const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
                                       calib::RayGrid(*data.session.camera), {});

@@ -27,12 +27,12 @@ constexpr int kColumns = 64;
 constexpr int kRows = 48;
 
 // Small, with a textured enough shape: a lump looks different from every side.
-rig::MockCameraConfig SmallCamera(const MockRigOptions& options) {
-  rig::MockCameraConfig config;
+rig::sim::MockCameraConfig SmallCamera(const MockRigOptions& options) {
+  rig::sim::MockCameraConfig config;
   config.first_frame_id = options.first_frame_id;
   config.scene.seed = options.seed;
-  config.scene.target = rig::Blob{};
-  config.scene.motion.kind = rig::MotionKind::kTable;
+  config.scene.target = rig::sim::Blob{};
+  config.scene.motion.kind = rig::sim::MotionKind::kTable;
   config.scene.camera = {kColumns, kRows, 200.0, std::nullopt};
   config.scene.sensor.noise_relative = 0.0003;
   config.scene.samples_per_side = 2;
@@ -102,7 +102,7 @@ Recorder OpenRecorder(const MockRigOptions& options, const rig::RigSetup& setup)
 
 // Table and camera of the run, as a capture takes them.
 rig::RigSetup MakeRig(const MockRigOptions& options, const MockRigRun& run) {
-  const rig::Studio& studio = run.camera->studio();
+  const rig::sim::Studio& studio = run.camera->studio();
   const auto& lump = std::get<calib::MeshShape>(studio.target);
   std::shared_ptr<rig::Camera> camera = run.camera;
   if (options.wrap_camera) camera = options.wrap_camera(camera);
@@ -111,9 +111,9 @@ rig::RigSetup MakeRig(const MockRigOptions& options, const MockRigRun& run) {
   device.format = {{kColumns, kRows}, 3, CV_16U};
   return {.table = {run.table, {}},
           .camera = std::move(device),
-          .known = {studio.camera, rig::GeometryOf(run.camera->config().scene.motion),
+          .known = {studio.camera, rig::sim::GeometryOf(run.camera->config().scene.motion),
                     studio.radiometry, rig::SensorNoise{}},
-          .target = {lump, rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(lump)}},
+          .target = {lump, rig::MeshCopy{rig::MeshFormat::kPly, rig::sim::MeshToPly(lump)}},
           .calibration = {},
           .truth = {},
           .identity = {}};
@@ -171,8 +171,8 @@ MockRigOptions WholeCapture(const std::filesystem::path& session) {
   return options;
 }
 
-rig::FaultEntry FaultAt(rig::FaultKind kind, std::optional<double> angle_deg, int times) {
-  rig::FaultEntry entry = rig::MakeFault(kind);
+rig::sim::FaultEntry FaultAt(rig::sim::FaultKind kind, std::optional<double> angle_deg, int times) {
+  rig::sim::FaultEntry entry = rig::sim::MakeFault(kind);
   entry.angle_deg = angle_deg;
   entry.times = times;
   return entry;
@@ -193,9 +193,9 @@ const graph::ConnectionReport& MockRigRun::Connection(const std::string& from,
 
 MockRigRun RunMockRig(const MockRigOptions& options) {
   MockRigRun run;
-  run.faults = std::make_shared<rig::FaultScript>(options.faults);
-  run.table = std::make_shared<rig::MockTurntable>(options.table, run.faults);
-  run.camera = Expect(rig::MockCamera::Create(SmallCamera(options), run.table, run.faults));
+  run.faults = std::make_shared<rig::sim::FaultScript>(options.faults);
+  run.table = std::make_shared<rig::sim::MockTurntable>(options.table, run.faults);
+  run.camera = Expect(rig::sim::MockCamera::Create(SmallCamera(options), run.table, run.faults));
   rig::RigSetup setup = MakeRig(options, run);
   Expect(rig::OpenRig(setup));
   const Recorder recorder = OpenRecorder(options, setup);

@@ -7,7 +7,7 @@
 #include "nodes/graph/draw.h"
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::HasSubstr;
@@ -270,4 +270,4 @@ TEST(Draw, ShowsPortsTypesPoliciesAndActions) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

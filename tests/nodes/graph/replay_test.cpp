@@ -5,7 +5,7 @@
 #include "nodes/graph/action.h"
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::HasSubstr;
@@ -235,4 +235,4 @@ graph:
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

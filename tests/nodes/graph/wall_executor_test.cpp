@@ -8,7 +8,7 @@
 
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using namespace std::chrono_literals;
@@ -442,4 +442,4 @@ TEST(WallExecutor, ATapMayComeWhileTheGraphRuns) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

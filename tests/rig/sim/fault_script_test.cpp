@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using std::chrono::milliseconds;
@@ -167,4 +167,4 @@ TEST(FaultScript, RandomPartDrawsOnlyWhatIsListed) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

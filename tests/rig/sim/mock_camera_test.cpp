@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using std::chrono::microseconds;
@@ -462,4 +462,4 @@ TEST(MockCamera, UnpluggedFailsUntilOpenedAgain) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

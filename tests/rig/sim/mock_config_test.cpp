@@ -9,7 +9,7 @@
 #include "rig/sim/mock_turntable.h"
 #include "rig/sim/simulation.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using ::testing::HasSubstr;
@@ -164,4 +164,4 @@ TEST(Simulation, RefusesByFileLineKeyAndRange) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <thread>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using std::chrono::milliseconds;
@@ -449,4 +449,4 @@ TEST(MockTurntable, TruthCanBeAskedWhileAnotherThreadMovesIt) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -10,7 +10,7 @@
 
 #include "base/angles.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using ::testing::AllOf;
@@ -191,4 +191,4 @@ TEST(SceneFile, AMissingFileIsNamed) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -17,7 +17,7 @@
 #include "rig/sim/scene_file.h"
 #include "tests/temporary_folder.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using ::testing::ElementsAre;
@@ -303,4 +303,4 @@ TEST(SyntheticSession, AnInvalidConfigIsRefused) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim
