@@ -13,7 +13,6 @@ namespace {
 using nlohmann::ordered_json;
 
 const std::vector<std::string> kBayerPatterns{"RGGB", "BGGR", "GRBG", "GBRG"};
-constexpr Range kPositive{.above = 0.0};
 
 void Collect(const Status& status, std::vector<std::string>& problems) {
   if (!status) problems.push_back(status.error().text);
@@ -112,7 +111,7 @@ FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems) 
   frame.validity = object.OptionalString("validity");
   frame.angle_deg = object.OptionalNumber("angle_deg");
   frame.angle_measured_deg = object.OptionalNumber("angle_measured_deg");
-  frame.exposure.exposure_us = object.OptionalNumber("exposure_us", kPositive);
+  frame.exposure.exposure_us = object.OptionalNumber("exposure_us", {.above = 0.0});
   const auto gain_db = object.OptionalNumber("gain_db");
   frame.has_gain = gain_db.has_value();
   frame.exposure.gain_db = gain_db.value_or(0.0);

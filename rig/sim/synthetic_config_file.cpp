@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::uint64_t kMaxFileBytes = 16 << 20;
+constexpr std::uint64_t kMaxConfigBytes = 16 << 20;
 
 using rig::sim::ReadField;  // beside those below, which would hide it
 
@@ -335,7 +335,7 @@ Result<SyntheticConfig> ReadSyntheticConfig(StrictObject object) {
 }
 
 Result<SyntheticConfig> ReadSyntheticConfig(const std::filesystem::path& path) {
-  auto text = ReadFile(path, kMaxFileBytes);
+  auto text = ReadFile(path, kMaxConfigBytes);
   if (!text) return Forward(text);
   return ParseSyntheticConfig(*text, path.string());
 }

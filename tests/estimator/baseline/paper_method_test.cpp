@@ -14,6 +14,7 @@
 
 #include "base/angles.h"
 #include "base/parallel.h"
+#include "estimator/baseline/paper_estimate.h"
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
 #include "tests/estimator/random_observations.h"
