@@ -59,7 +59,9 @@ TEST(IntensityMap, ABrightSpotIsWhereItIs) {
     EXPECT_LT(AngleDeg(area.front().direction, spot), 3.0);
     for (std::size_t i = 0; i < area.size(); ++i) {
       EXPECT_LT(AngleDeg(area[i].direction, spot), 12.0);  // half height is at 9.4 degrees
-      if (i > 0) EXPECT_LE(area[i].intensity, area[i - 1].intensity);
+      if (i > 0) {
+        EXPECT_LE(area[i].intensity, area[i - 1].intensity);
+      }
     }
   }
 }

@@ -84,7 +84,9 @@ TEST(Sampling, APixelKeepsAllThatIsKnownOfIt) {
   EXPECT_EQ(sample.tile_begin, (std::vector<std::size_t>{0, sample.tiles()}));
   for (std::size_t i = 0; i < sample.used; ++i) {
     const std::size_t from = sample.pixel[i];
-    if (i > 0) EXPECT_GT(from, sample.pixel[i - 1]);
+    if (i > 0) {
+      EXPECT_GT(from, sample.pixel[i - 1]);
+    }
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_EQ(sample.position[k][i], all.position[k][from]);
       EXPECT_EQ(sample.normal[k][i], all.normal[k][from]);

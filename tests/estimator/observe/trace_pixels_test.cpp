@@ -64,8 +64,12 @@ TEST(TraceKeyframe, FlagsAreThoseOfTheSphere) {
           well_inside = false;
           if (std::abs(r - row) <= 2 && std::abs(c - column) <= 2) inside = false;
         }
-      if (!inside) EXPECT_NE(flag & kSilhouette, 0);
-      if (well_inside) EXPECT_EQ(flag & kSilhouette, 0);
+      if (!inside) {
+        EXPECT_NE(flag & kSilhouette, 0);
+      }
+      if (well_inside) {
+        EXPECT_EQ(flag & kSilhouette, 0);
+      }
       const SphereHit hit = *HitAt(keyframe.X_WC, column, row);
       EXPECT_EQ((flag & kGrazing) != 0, hit.normal.dot(hit.to_viewer) < 0.25);
       silhouettes += (flag & kSilhouette) != 0 ? 1 : 0;

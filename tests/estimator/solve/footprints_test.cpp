@@ -34,7 +34,9 @@ TEST(FootprintSamples, GrowWithFootprintAndShininess) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       EXPECT_GE(samples[i], wider[i]) << shininess;
       EXPECT_LE(samples[i], kernel::kMaxSamples);
-      if (i > 0) EXPECT_GE(samples[i], samples[i - 1]);
+      if (i > 0) {
+        EXPECT_GE(samples[i], samples[i - 1]);
+      }
     }
     wider = samples;
   }

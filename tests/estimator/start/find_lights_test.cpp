@@ -56,7 +56,9 @@ TEST(ChooseDiffuse, IsThatOfTheScene) {
     ASSERT_EQ(ladder.size(), 1u);
     EXPECT_EQ(ladder[0].rung, "oren-nayar");
     EXPECT_EQ(ladder[0].accepted, rough) << ladder[0].why;
-    if (rough) EXPECT_NEAR(chosen.scene.reflectance.roughness, 0.6, 0.03);
+    if (rough) {
+      EXPECT_NEAR(chosen.scene.reflectance.roughness, 0.6, 0.03);
+    }
   }
 }
 

@@ -9,11 +9,7 @@ namespace {
 
 using testing::ElementsAre;
 
-struct Turn {
-  using Goal = Number;
-  using Feedback = Number;
-  using Result = Word;
-};
+using Turn = ActionFor<Number, Word>;
 
 // Sends one goal after another and writes down what comes back.
 class Asker : public Node {

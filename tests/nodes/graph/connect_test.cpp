@@ -12,16 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-struct NumberAction {
-  using Goal = Number;
-  using Feedback = Number;
-  using Result = Number;
-};
-struct WordAction {
-  using Goal = Word;
-  using Feedback = Number;
-  using Result = Number;
-};
+using NumberAction = ActionFor<Number, Number>;
+using WordAction = ActionFor<Word, Number>;
 
 template <typename Action>
 class AnyAsker : public Node {

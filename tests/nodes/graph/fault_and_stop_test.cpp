@@ -10,7 +10,7 @@ using testing::ElementsAre;
 
 TEST(Stopping, ANodeThatRequestsAStopIsDrainedInOrder) {
   Seen seen;
-  std::vector<std::string> stops;
+  StopList list;
   NodeRegistry registry = BasicNodes();
   AddSink(registry, seen);
   AddSource(registry, "boss",
@@ -31,11 +31,7 @@ TEST(Stopping, ANodeThatRequestsAStopIsDrainedInOrder) {
                    node.out.Publish(Number{-1}, Time(0));
                    return Status();
                  }});
-  for (const std::string name : {"first", "second"})
-    AddCustom(registry, name, {.stop = [&stops, name](Custom&, StopMode mode) {
-                stops.push_back(name + (mode == StopMode::kDrain ? " drained" : " now"));
-                return Status();
-              }});
+  for (const std::string name : {"first", "second"}) list.AddTo(registry, name);
   const RunReport report = RunGraph(R"(
 graph:
   executor: virtual
@@ -50,7 +46,7 @@ graph:
                                     registry);
   EXPECT_EQ(report.cause, StopCause::kRequested);
   EXPECT_THAT(seen.values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, -1));
-  EXPECT_THAT(stops, ElementsAre("first drained", "second drained"));
+  EXPECT_THAT(list.stops(), ElementsAre("first drained", "second drained"));
 }
 
 TEST(Stopping, StopNowDiscardsWhatIsQueued) {
@@ -95,25 +91,13 @@ graph:
 TEST(Stopping, AHeldStopWaitsUntilItIsReleased) {
   std::vector<std::string> log;
   NodeRegistry registry;
-  AddSource(registry, "holder",
-            {.start =
-                 [](CustomSource& node) {
-                   node.HoldStop();
-                   node.timer.Every(FromMs(10));
-                   node.RequestStop();
-                   return Status();
-                 },
-             .timer =
-                 [&log](CustomSource& node, Time now) {
-                   log.push_back(std::to_string(now / FromMs(1)));
-                   if (log.size() == 4) node.ReleaseStop();
-                   return Status();
-                 },
-             .wind_down =
-                 [&log](CustomSource&) {
-                   log.push_back("wind down");
-                   return Status();
-                 }});
+  AddHolder(
+      registry, "holder", 10.0,
+      [&log](Time now) {
+        log.push_back(std::to_string(now / FromMs(1)));
+        return log.size() == 4;
+      },
+      [&log] { log.push_back("wind down"); });
   RunGraph("graph:\n  executor: virtual\n  nodes:\n    holder: {type: holder}\n", registry);
   EXPECT_THAT(log, ElementsAre("wind down", "10", "20", "30"));
 }
@@ -143,18 +127,7 @@ TEST(Faults, ErrorsAndExceptionsBecomeFaultsThatHaltTheNode) {
                 if (throws) throw std::runtime_error("out of paper");
                 return tl::unexpected<Error>(Error{ErrorKind::kDevice, "out of paper"});
               }});
-    auto graph = BuildFrom(R"(
-graph:
-  executor: virtual
-  nodes:
-    count: {type: counter, params: {count: 50, period_ms: 1}}
-    bad: {type: bad}
-    sink: {type: sink}
-  connections:
-    - {from: count.number, to: bad.in, policy: block, capacity: 1}
-    - {from: count.number, to: sink.in, policy: block}
-)",
-                           registry);
+    auto graph = BuildFrom(BadBesideASink("virtual", "count: 50, period_ms: 1", ""), registry);
     ASSERT_TRUE(graph) << ErrorOf(graph);
     ASSERT_TRUE(graph->Tap<Fault>(
         "bad.fault", [&on_port](const Message<Fault>& fault) { on_port.push_back(*fault); }));
@@ -180,18 +153,8 @@ TEST(Faults, AFaultOfAHaltedNodeFreesItsBlockedWriter) {
   AddSink(registry, seen);
   AddCustom(registry, "bad",
             {.input = [](Custom&, const Message<Number>&) -> Status { return SystemError("no"); }});
-  const RunReport report = RunGraph(R"(
-graph:
-  executor: virtual
-  nodes:
-    count: {type: counter, params: {count: 20}}
-    bad: {type: bad, duration_ms: 100}
-    sink: {type: sink}
-  connections:
-    - {from: count.number, to: bad.in, policy: block, capacity: 1}
-    - {from: count.number, to: sink.in, policy: block}
-)",
-                                    registry);
+  const RunReport report =
+      RunGraph(BadBesideASink("virtual", "count: 20", ", duration_ms: 100"), registry);
   EXPECT_EQ(seen.values.size(), 20u) << "what was published before the fault arrives";
   EXPECT_EQ(ConnectionTo(report, "bad.in").discarded, 19u);
 }

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +37,14 @@ struct Wire<Word> {
   static constexpr std::uint32_t kVersion = 3;
   static void Encode(const Word& word, WireWriter& out) { out.Text(word.text); }
   static Word Decode(WireReader& in) { return {.text = in.Text()}; }
+};
+
+// An action that says how far it is in numbers.
+template <typename GoalType, typename ResultType>
+struct ActionFor {
+  using Goal = GoalType;
+  using Feedback = Number;
+  using Result = ResultType;
 };
 
 // A source: publishes 1, 2, ... count; with period_ms 0 all of them in Start.
@@ -184,6 +194,60 @@ inline void AddSource(NodeRegistry& registry, const std::string& type,
   registry.Add(type, [behaviour] { return std::make_unique<CustomSource>(behaviour); });
 }
 
+// Writes down how its nodes were stopped, from any thread.
+class StopList {
+ public:
+  void AddTo(NodeRegistry& registry, const std::string& type) {
+    AddCustom(registry, type, {.stop = [this, type](Custom&, StopMode mode) {
+                const std::lock_guard lock(mutex_);
+                stops_.push_back(type + (mode == StopMode::kDrain ? " drained" : " now"));
+                return Status();
+              }});
+  }
+  // After the run.
+  const std::vector<std::string>& stops() const { return stops_; }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> stops_;
+};
+
+// A source that holds the stop which it asks for until its timer has told `tick` the time and
+// heard true.
+inline void AddHolder(NodeRegistry& registry, const std::string& type, double period_ms,
+                      std::function<bool(Time)> tick, std::function<void()> wind_down = nullptr) {
+  AddSource(registry, type,
+            {.start =
+                 [period_ms](CustomSource& node) {
+                   node.HoldStop();
+                   node.timer.Every(FromMs(period_ms));
+                   node.RequestStop();
+                   return Status();
+                 },
+             .timer =
+                 [tick](CustomSource& node, Time now) {
+                   if (tick(now)) node.ReleaseStop();
+                   return Status();
+                 },
+             .wind_down =
+                 [wind_down](CustomSource&) {
+                   if (wind_down) wind_down();
+                   return Status();
+                 }});
+}
+
+// A counter beside whose sink there is a node of type "bad", with so much beside its type.
+inline std::string BadBesideASink(const std::string& executor, const std::string& count_params,
+                                  const std::string& bad) {
+  return "graph:\n  executor: " + executor + "\n  nodes:\n    count: {type: counter, params: {" +
+         count_params + "}}\n    bad: {type: bad" + bad + R"(}
+    sink: {type: sink}
+  connections:
+    - {from: count.number, to: bad.in, policy: block, capacity: 1}
+    - {from: count.number, to: sink.in, policy: block}
+)";
+}
+
 inline Result<Graph> BuildFrom(const std::string& yaml, const NodeRegistry& registry) {
   auto config = ParseGraphConfig(yaml, "test.yaml");
   if (!config) return Forward(config);
@@ -193,6 +257,14 @@ inline Result<Graph> BuildFrom(const std::string& yaml, const NodeRegistry& regi
 template <typename T>
 std::string ErrorOf(const Result<T>& result) {
   return result ? std::string() : result.error().text;
+}
+
+// In words; nothing if the logs are the same.
+inline std::string Difference(const std::filesystem::path& a, const std::filesystem::path& b,
+                              CompareMode mode = CompareMode::kExact) {
+  const auto difference = CompareLogs(a, b, mode);
+  EXPECT_TRUE(difference) << ErrorOf(difference);
+  return difference && *difference ? (*difference)->text : "";
 }
 
 // Runs to the end; the test fails if the graph cannot be set up.

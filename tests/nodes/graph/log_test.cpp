@@ -216,13 +216,6 @@ TEST(Log, AFullDiskStopsTheRunInOrderAndKeepsWhatWasWritten) {
   }
 }
 
-std::string Difference(const std::filesystem::path& a, const std::filesystem::path& b,
-                       CompareMode mode = CompareMode::kExact) {
-  const auto difference = CompareLogs(a, b, mode);
-  EXPECT_TRUE(difference) << ErrorOf(difference);
-  return difference && *difference ? (*difference)->text : "";
-}
-
 TEST(CompareLogs, NamesTheFirstMessageThatDiffers) {
   const TemporaryFolder folder;
   WriteSample(folder / "a");

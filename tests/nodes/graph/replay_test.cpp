@@ -10,11 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-struct TurnForNumber {
-  using Goal = Number;
-  using Feedback = Number;
-  using Result = Number;
-};
+using TurnForNumber = ActionFor<Number, Number>;
 
 // Not a source: asks the table for each number that comes, when it is free, and says what it got.
 class TurnSender : public Node {
@@ -123,9 +119,7 @@ TEST(Replay, GivesTheSameLogByteForByteWithoutRunningTheSources) {
   ASSERT_TRUE(replayed) << ErrorOf(replayed);
   EXPECT_EQ(replayed->fault_count, 0u);
   EXPECT_EQ(LazyTable::started, 0);
-  const auto difference = CompareLogs(folder / "run", folder / "replay", CompareMode::kExact);
-  ASSERT_TRUE(difference) << ErrorOf(difference);
-  EXPECT_FALSE(*difference) << (*difference)->text;
+  EXPECT_EQ(Difference(folder / "run", folder / "replay"), "");
   const std::string bytes = ReadFile(folder / "run").value();
   EXPECT_GT(bytes.size(), 20000u);
   EXPECT_EQ(bytes, ReadFile(folder / "replay").value());
@@ -142,9 +136,7 @@ TEST(Replay, ARunStoppedInTheMiddleIsReplayedToTheSameEnd) {
     ASSERT_TRUE(graph->Run({.log = folder / "run"}));
     const auto replayed = ReplayFrom(RigLike(kAll), folder / "run", {.log = folder / "replay"});
     ASSERT_TRUE(replayed) << ErrorOf(replayed);
-    const auto difference = CompareLogs(folder / "run", folder / "replay", CompareMode::kExact);
-    ASSERT_TRUE(difference) << ErrorOf(difference);
-    EXPECT_FALSE(*difference) << (*difference)->text;
+    EXPECT_EQ(Difference(folder / "run", folder / "replay"), "");
   }
 }
 
@@ -194,9 +186,7 @@ graph:
   RunGraph(yaml, NodesToReplay(), {.log = folder / "run"});
   const auto replayed = ReplayFrom(yaml, folder / "run", {.log = folder / "replay"});
   ASSERT_TRUE(replayed) << ErrorOf(replayed);
-  const auto difference = CompareLogs(folder / "run", folder / "replay", CompareMode::kContent);
-  ASSERT_TRUE(difference) << ErrorOf(difference);
-  EXPECT_FALSE(*difference) << (*difference)->text;
+  EXPECT_EQ(Difference(folder / "run", folder / "replay", CompareMode::kContent), "");
 }
 
 TEST(Replay, RefusesALogThatDoesNotFit) {

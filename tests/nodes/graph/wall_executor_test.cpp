@@ -63,10 +63,7 @@ TEST(WallExecutor, DeliversTheSameContentAsTheVirtualExecutor) {
       EXPECT_EQ(seen.headers[i].sequence, i);
     }
   }
-  const auto difference =
-      CompareLogs(folder / "virtual.log", folder / "wall.log", CompareMode::kContent);
-  ASSERT_TRUE(difference) << ErrorOf(difference);
-  EXPECT_FALSE(*difference) << (*difference)->text;
+  EXPECT_EQ(Difference(folder / "virtual.log", folder / "wall.log", CompareMode::kContent), "");
 }
 
 TEST(WallExecutor, NodesRunAtTheSameTime) {
@@ -150,16 +147,10 @@ TEST(WallExecutor, TimersFollowTheSteadyClock) {
 
 TEST(WallExecutor, StopsInOrderWhenAskedFromAnotherThread) {
   Seen seen;
-  std::mutex mutex;
-  std::vector<std::string> stops;
+  StopList list;
   NodeRegistry registry = BasicNodes();
   AddSink(registry, seen);
-  for (const std::string name : {"first", "second"})
-    AddCustom(registry, name, {.stop = [&, name](Custom&, StopMode mode) {
-                const std::lock_guard lock(mutex);
-                stops.push_back(name + (mode == StopMode::kDrain ? " drained" : " now"));
-                return Status();
-              }});
+  for (const std::string name : {"first", "second"}) list.AddTo(registry, name);
   auto graph = BuildFrom(R"(
 graph:
   executor: wall
@@ -181,7 +172,7 @@ graph:
   caller.join();
   ASSERT_TRUE(report);
   EXPECT_EQ(report->cause, StopCause::kRequested);
-  EXPECT_THAT(stops, ElementsAre("first drained", "second drained"));
+  EXPECT_THAT(list.stops(), ElementsAre("first drained", "second drained"));
   EXPECT_EQ(seen.values.size(), ConnectionTo(*report, "sink.in").delivered) << "drained";
   EXPECT_EQ(ConnectionTo(*report, "sink.in").discarded, 0u);
 }
@@ -340,18 +331,8 @@ TEST(WallExecutor, AFaultHaltsItsNodeAndStopsTheRestInOrder) {
               if (number->value < 3) return {};
               throw std::runtime_error("bang");
             }});
-  const RunReport report = RunGraph(R"(
-graph:
-  executor: wall
-  nodes:
-    count: {type: counter, params: {count: 1000000, period_ms: 1}}
-    bad: {type: bad}
-    sink: {type: sink}
-  connections:
-    - {from: count.number, to: bad.in, policy: block, capacity: 1}
-    - {from: count.number, to: sink.in, policy: block}
-)",
-                                    registry);
+  const RunReport report =
+      RunGraph(BadBesideASink("wall", "count: 1000000, period_ms: 1", ""), registry);
   EXPECT_EQ(report.cause, StopCause::kFault);
   ASSERT_TRUE(report.failure);
   EXPECT_EQ(report.failure->text, "input in threw: bang");
@@ -361,19 +342,7 @@ graph:
 TEST(WallExecutor, AHeldStopKeepsTimersRunning) {
   std::atomic<int> ticks{0};
   NodeRegistry registry;
-  AddSource(registry, "holder",
-            {.start =
-                 [](CustomSource& node) {
-                   node.HoldStop();
-                   node.timer.Every(1ms);
-                   node.RequestStop();
-                   return Status();
-                 },
-             .timer =
-                 [&ticks](CustomSource& node, Time) {
-                   if (++ticks == 10) node.ReleaseStop();
-                   return Status();
-                 }});
+  AddHolder(registry, "holder", 1.0, [&ticks](Time) { return ++ticks == 10; });
   const RunReport report =
       RunGraph("graph:\n  executor: wall\n  nodes:\n    h: {type: holder}\n", registry);
   EXPECT_GE(ticks, 10);
