@@ -20,10 +20,10 @@
 #include "base/format.h"
 #include "base/lock_file.h"
 #include "base/utc.h"
+#include "estimator/results/scene_json.h"
 #include "nodes/graph/graph.h"
 #include "nodes/graph/log.h"
 #include "nodes/logger_node.h"
-#include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
 namespace {
@@ -73,9 +73,10 @@ Result<Recorder> OpenRecorder(const Prepared& run, const RigIdentity& identity,
                       : rig::SessionRecorder::Resume(folder.session(), setup, provenance);
   if (!recorder) return Forward(recorder);
   // A simulated rig knows the answer.
-  const Status status = WriteFileAtomic(
-      folder.session() / "truth.json",
-      rig::TruthToJson(run.rig.camera->studio().scene, "the simulated rig of " + run.config.name));
+  const Status status =
+      WriteFileAtomic(folder.session() / "truth.json",
+                      estimator::results::TruthToJson(run.rig.camera->studio().scene,
+                                                      "the simulated rig of " + run.config.name));
   if (!status) return Forward(status);
   return std::make_shared<rig::SessionRecorder>(std::move(*recorder));
 }
@@ -203,7 +204,7 @@ int Finish(const RunFolder& folder, CaptureGoal goal,
       status = WriteFileAtomic(folder.result() / "progress.csv", ProgressTable(estimates));
     if (!status) return Fail(status.error());
   }
-  const auto done = EstimateSession(session, folder.result(), {});
+  const auto done = WriteEstimate(session, folder.result());
   if (!done) return Fail(done.error());
   std::cout << done->summary << std::flush;
   return ExitCodeOf(done->closure);
