@@ -12,6 +12,7 @@
 #include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/progress_table.h"
+#include "app/rig_config.h"
 #include "app/run_config.h"
 #include "app/run_outcome.h"
 #include "app/session_estimate.h"
@@ -20,10 +21,12 @@
 #include "base/format.h"
 #include "base/lock_file.h"
 #include "base/utc.h"
-#include "estimator/results/scene_json.h"
+#include "nodes/capture_work.h"
 #include "nodes/graph/graph.h"
 #include "nodes/graph/log.h"
 #include "nodes/logger_node.h"
+#include "rig/rig_setup.h"
+#include "rig/session/journal.h"
 
 namespace turnlight::app {
 namespace {
@@ -33,51 +36,73 @@ using Recorder = std::shared_ptr<rig::SessionRecorder>;
 
 enum class Start { kNew, kResume };
 
+// What is asked for.
+struct Task {
+  fs::path config;
+  RunFolder folder;
+  Start start = Start::kNew;
+  BegunRun begun;
+  const Drivers* drivers = nullptr;
+  fs::path replayed;  // of a replay: the session whose devices speak from the log
+};
+
 // Everything of one run, put together.
 struct Prepared {
   RunConfig config;
   std::optional<LockFile> lock;
-  Rig rig;
+  rig::RigSetup rig;
   Recorder recorder;
   std::unique_ptr<CaptureDisplay> display;
-  std::optional<graph::Graph> graph;
+  std::optional<nodes::graph::Graph> graph;
 };
 
 Status Tap(Prepared& run) {
   CaptureDisplay* display = run.display.get();
-  for (const graph::NodeConfig& node : run.graph->parts().config.nodes) {
+  for (const nodes::graph::NodeConfig& node : run.graph->parts().config.nodes) {
     Status status;
     if (node.type == "keyframes")
       status = run.graph->Tap<nodes::Bracket>(
           node.name + ".bracket",
-          [display](const graph::Message<nodes::Bracket>& m) { display->OnBracket(*m); });
+          [display](const nodes::graph::Message<nodes::Bracket>& m) { display->OnBracket(*m); });
     if (node.type == "estimator")
       status = run.graph->Tap<nodes::Estimate>(
           node.name + ".estimate",
-          [display](const graph::Message<nodes::Estimate>& m) { display->OnEstimate(*m); });
+          [display](const nodes::graph::Message<nodes::Estimate>& m) { display->OnEstimate(*m); });
     if (!status) return status;
   }
   return {};
 }
 
-Result<Recorder> OpenRecorder(const Prepared& run, const RigIdentity& identity,
-                              const RunFolder& folder, Start start) {
-  const rig::CaptureSetup setup = MakeCaptureSetup(run.config, run.rig, identity);
+// The devices as the journal names them, and never opened in a replay.
+struct DeviceNames {
+  std::string camera, table;
+};
+
+Result<DeviceNames> NameDevices(rig::RigSetup& rig, const Task& task) {
+  if (!task.replayed.empty()) {
+    const auto journal = rig::ReadJournal(task.replayed);
+    if (!journal) return Forward(journal);
+    return DeviceNames{journal->header.camera_identity, journal->header.table_identity};
+  }
+  if (const Status status = rig::OpenRig(rig); !status) return Forward(status);
+  return DeviceNames{rig::Describe(rig.identity->camera), rig::Describe(rig.identity->table)};
+}
+
+Result<Recorder> OpenRecorder(const Prepared& run, const DeviceNames& names, const Task& task) {
+  const fs::path session = task.folder.session();
+  const rig::CaptureSetup setup = MakeCaptureSetup(run.config, run.rig, names.camera, names.table);
   rig::RunProvenance provenance;
   provenance.program_version = Version();
   provenance.program_commit = Commit();
   provenance.utc = UtcNow();
   provenance.camera_settings = {run.config.plan.exposures_us.front(), run.config.plan.gain_db};
-  auto recorder = start == Start::kNew
-                      ? rig::SessionRecorder::Start(folder.session(), setup, provenance)
-                      : rig::SessionRecorder::Resume(folder.session(), setup, provenance);
+  auto recorder = task.start == Start::kNew
+                      ? rig::SessionRecorder::Start(session, setup, provenance)
+                      : rig::SessionRecorder::Resume(session, setup, provenance);
   if (!recorder) return Forward(recorder);
-  // A simulated rig knows the answer.
-  const Status status =
-      WriteFileAtomic(folder.session() / "truth.json",
-                      estimator::results::TruthToJson(run.rig.camera->studio().scene,
-                                                      "the simulated rig of " + run.config.name));
-  if (!status) return Forward(status);
+  if (run.rig.truth)
+    if (const Status status = WriteFileAtomic(session / "truth.json", *run.rig.truth); !status)
+      return Forward(status);
   return std::make_shared<rig::SessionRecorder>(std::move(*recorder));
 }
 
@@ -100,47 +125,59 @@ std::string Announce(const Prepared& run, const RunFolder& folder,
 
 // A device that does not open: what to do, and what has become of the run.
 Error NotThere(Error error, Start start) {
+  if (error.kind != ErrorKind::kDevice) return error;
   error.text += "; check its cable and power, then give the same command again: ";
   error.text += start == Start::kNew ? "nothing was written" : "what was taken is safe";
   return error;
 }
 
-// config_file is read, and everything that can be refused is, before anything is written.
-Result<Prepared> Prepare(const fs::path& config_file, const RunFolder& folder, Start start,
-                         CaptureGoal goal) {
-  Prepared run;
-  auto config = ReadRunConfig(config_file);
-  if (!config) return Forward(config);
-  run.config = std::move(*config);
-  auto rig = MakeRig(run.config);
-  if (!rig) return Forward(rig);
-  run.rig = std::move(*rig);
-  if (const auto graph = BuildGraph(run.config, run.rig, {}); !graph) return Forward(graph);
-  if (goal == CaptureGoal::kSession) RemoveNodes(run.config.graph, "estimator");
-  const auto identity = OpenRig(run.rig);
-  if (!identity) return tl::unexpected<Error>(NotThere(identity.error(), start));
+// The graph of the task. A capture without estimates leaves the estimator out, and a config that
+// is wrong about it is refused nevertheless.
+Result<nodes::graph::Graph> MakeGraph(RunConfig& config, const rig::RigSetup& rig, CaptureGoal goal,
+                                      std::shared_ptr<const nodes::CaptureWork> work) {
+  auto graph = BuildGraph(config, rig, work);
+  if (!graph || goal == CaptureGoal::kEstimate || !RemoveNodes(config.graph, "estimator"))
+    return graph;
+  return BuildGraph(config, rig, work);
+}
 
-  if (const Status status = MakeDirectory(folder.root()); !status) return Forward(status);
+// The folder is this run's from here on.
+Status TakeFolder(Prepared& run, const Task& task) {
+  const RunFolder& folder = task.folder;
+  if (const Status status = MakeDirectory(folder.root()); !status) return status;
   auto lock = LockFile::Take(folder.lock(), folder.root().string() + ": another run writes here");
   if (!lock) return Forward(lock);
   run.lock.emplace(std::move(*lock));
-  Status status = start == Start::kNew ? folder.CheckNew() : folder.CheckBegun();
-  if (status && start == Start::kNew) status = folder.Begin(run.config.text, goal);
-  if (!status) return Forward(status);
-  auto recorder = OpenRecorder(run, *identity, folder, start);
-  if (!recorder) return Forward(recorder);
-  run.recorder = std::move(*recorder);
+  if (task.start == Start::kResume) return folder.CheckBegun();
+  if (const Status status = folder.CheckNew(); !status) return status;
+  return folder.Begin(run.config.text, task.begun);
+}
 
-  const auto missing = run.recorder->Missing();
-  std::cerr << Announce(run, folder, missing, start) << std::endl;
-  const std::size_t total = rig::PlannedFrames(run.config.plan).size();
-  run.display = std::make_unique<CaptureDisplay>(total, total - missing.size());
-  auto graph = BuildGraph(
-      run.config, run.rig,
-      {missing, run.recorder,
-       [display = run.display.get()](const std::string& line) { display->OnLine(line); }});
+// The config is read, and everything that can be refused is, before anything is written.
+Result<Prepared> Prepare(const Task& task) {
+  auto config = ReadRunConfig(task.config, task.begun.config);
+  if (!config) return Forward(config);
+  auto rig = MakeRig(*config, *task.drivers);
+  if (!rig) return Forward(rig);
+  Prepared run{std::move(*config), {}, std::move(*rig), {}, {}, {}};
+  const auto work = std::make_shared<nodes::CaptureWork>();
+  auto graph = MakeGraph(run.config, run.rig, task.begun.goal, work);
   if (!graph) return Forward(graph);
   run.graph.emplace(std::move(*graph));
+  const auto names = NameDevices(run.rig, task);
+  if (!names) return tl::unexpected<Error>(NotThere(names.error(), task.start));
+
+  if (const Status status = TakeFolder(run, task); !status) return Forward(status);
+  auto recorder = OpenRecorder(run, *names, task);
+  if (!recorder) return Forward(recorder);
+  run.recorder = work->recorder = std::move(*recorder);
+  work->frames = run.recorder->Missing();
+  std::cerr << Announce(run, task.folder, work->frames, task.start) << std::endl;
+  const std::size_t total = rig::PlannedFrames(run.config.plan).size();
+  run.display = std::make_unique<CaptureDisplay>(total, total - work->frames.size());
+  work->log_line = [display = run.display.get()](const std::string& line) {
+    display->OnLine(line);
+  };
   if (const Status tapped = Tap(run); !tapped) return Forward(tapped);
   return run;
 }
@@ -170,8 +207,8 @@ std::string ReplayHint(const fs::path& log) {
 int RunGraph(Prepared& run, const RunFolder& folder, const fs::path& log = {}) {
   // In a replay there is no keyframe to wait for: what the log holds is there already.
   const InterruptStopsGraph interrupt(
-      *run.graph, log.empty() ? graph::StopMode::kDrain : graph::StopMode::kNow);
-  graph::RunOptions options;
+      *run.graph, log.empty() ? nodes::graph::StopMode::kDrain : nodes::graph::StopMode::kNow);
+  nodes::graph::RunOptions options;
   options.log = folder.NextLog();
   const auto report = log.empty() ? run.graph->Run(options) : run.graph->Replay(log, options);
   if (!report) return FailIn(folder, report.error());
@@ -210,8 +247,9 @@ int Finish(const RunFolder& folder, CaptureGoal goal,
   return ExitCodeOf(done->closure);
 }
 
-int Capture(const fs::path& config, const RunFolder& folder, Start start, CaptureGoal goal) {
-  auto run = Prepare(config, folder, start, goal);
+int Capture(const Task& task) {
+  const RunFolder& folder = task.folder;
+  auto run = Prepare(task);
   if (!run) return FailIn(folder, run.error());
   if (!run->recorder->Missing().empty()) {
     const int code = RunGraph(*run, folder);
@@ -219,7 +257,7 @@ int Capture(const fs::path& config, const RunFolder& folder, Start start, Captur
   } else if (const Status status = run->recorder->Finish(); !status) {
     return FailIn(folder, status.error());
   }
-  return Finish(folder, goal, run->display->estimates());
+  return Finish(folder, task.begun.goal, run->display->estimates());
 }
 
 // A replay is of the same config; which part is not, the hashes tell.
@@ -235,39 +273,41 @@ Status CheckSameConfig(const fs::path& log, const std::string& recorded, const R
 
 }  // namespace
 
-int RunCapture(const fs::path& config, const RunFolder& folder, CaptureGoal goal) {
-  return Capture(config, folder, Start::kNew, goal);
+int RunCapture(const fs::path& config, const RunFolder& folder, CaptureGoal goal,
+               const Drivers& drivers) {
+  const BegunRun begun{goal, fs::absolute(config)};
+  return Capture({config, folder, Start::kNew, begun, &drivers, {}});
 }
 
-int ResumeCapture(const RunFolder& folder) {
+int ResumeCapture(const RunFolder& folder, const Drivers& drivers) {
   if (const Status status = folder.CheckBegun(); !status) return Fail(status.error());
-  const auto goal = folder.ReadGoal();
-  if (!goal) return Fail(goal.error());
-  if (folder.complete() && (*goal == CaptureGoal::kSession || folder.estimated())) {
+  const auto begun = folder.ReadBegun();
+  if (!begun) return Fail(begun.error());
+  if (folder.complete() && (begun->goal == CaptureGoal::kSession || folder.estimated())) {
     std::cout << folder.root().string() << ": complete already, nothing is left to do" << std::endl;
     const auto closure = TellClosure(folder.session());
     return closure ? ExitCodeOf(*closure) : Fail(closure.error());
   }
-  return Capture(folder.config(), folder, Start::kResume, *goal);
+  return Capture({folder.config(), folder, Start::kResume, *begun, &drivers, {}});
 }
 
-int ReplayCapture(const fs::path& log, const RunFolder& folder) {
+int ReplayCapture(const fs::path& log, const RunFolder& folder, const Drivers& drivers) {
   if (std::error_code ignored; fs::is_directory(log, ignored))
     return Fail({ErrorKind::kInput, log.string() + ": a folder, allowed is the log of a run, " +
                                         (log / "log").string() + " for example"});
-  const auto reader = graph::LogReader::Open(log);
+  const auto reader = nodes::graph::LogReader::Open(log);
   if (!reader) return Fail(reader.error());
   const RunFolder source = SourceOf(log);
-  const auto config = ReadRunConfig(source.config());
+  const auto begun = source.ReadBegun();
+  if (!begun) return Fail(begun.error());
+  const auto config = ReadRunConfig(source.config(), begun->config);
   if (!config) return Fail(config.error());
-  const auto goal = source.ReadGoal();
-  if (!goal) return Fail(goal.error());
   if (const Status status = CheckSameConfig(log, reader->header().config_hash, *config); !status)
     return Fail(status.error());
-  auto run = Prepare(source.config(), folder, Start::kNew, *goal);
+  auto run = Prepare({source.config(), folder, Start::kNew, *begun, &drivers, source.session()});
   if (!run) return Fail(run.error());
   const int code = RunGraph(*run, folder, log);
-  return code == kDone ? Finish(folder, *goal, run->display->estimates()) : code;
+  return code == kDone ? Finish(folder, begun->goal, run->display->estimates()) : code;
 }
 
 }  // namespace turnlight::app

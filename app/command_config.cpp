@@ -3,6 +3,7 @@
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/rig_config.h"
 #include "app/run_config.h"
 #include "rig/sim/synthetic_config.h"
 
@@ -14,7 +15,7 @@ Status CheckRun(const std::string& file) {
   if (!config) return Forward(config);
   const auto rig = MakeRig(*config);
   if (!rig) return Forward(rig);
-  const auto graph = BuildGraph(*config, *rig, {});
+  const auto graph = BuildGraph(*config, *rig);
   return graph ? Status() : Forward(graph);
 }
 
@@ -23,7 +24,7 @@ int Check(const std::string& file) {
   if (!is_run) return Fail(is_run.error());
   if (*is_run) {
     if (const Status status = CheckRun(file); !status) return Fail(status.error());
-  } else if (const auto config = rig::ReadSyntheticConfig(file); !config) {
+  } else if (const auto config = rig::sim::ReadSyntheticConfig(file); !config) {
     return Fail(config.error());
   }
   std::cout << file << ": good" << std::endl;
@@ -37,9 +38,9 @@ int Show(const std::string& file) {
     return Fail({ErrorKind::kInput,
                  file + ": a config for turnlight run, allowed is one for turnlight synthesize; "
                         "turnlight plan and turnlight graph show this one"});
-  const auto config = rig::ReadSyntheticConfig(file);
+  const auto config = rig::sim::ReadSyntheticConfig(file);
   if (!config) return Fail(config.error());
-  std::cout << rig::ToYaml(*config) << std::flush;
+  std::cout << rig::sim::ToYaml(*config) << std::flush;
   return kDone;
 }
 

@@ -4,6 +4,7 @@
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/rig_config.h"
 #include "app/run_config.h"
 #include "base/format.h"
 #include "nodes/graph/draw.h"
@@ -20,11 +21,10 @@ std::string Angles(const rig::CapturePlan& plan) {
   return text;
 }
 
-std::string PlanText(const RunConfig& config, const Rig& rig) {
+std::string PlanText(const RunConfig& config, const rig::RigSetup& rig) {
   const rig::CapturePlan& plan = config.plan;
   const rig::PlanEstimate estimate =
-      rig::EstimatePlan(plan, {config.table.max_speed_deg_s, config.table.acceleration_deg_s2},
-                        rig.format, config.camera.readout_ms * 1e-3);
+      rig::EstimatePlan(plan, rig.table.kinematics, rig.camera.format, rig.camera.readout_s);
   std::string limits = "none given";
   if (plan.limits)
     limits = Format("%.6g to %.6g\u00b0", plan.limits->min_deg, plan.limits->max_deg);
@@ -43,7 +43,7 @@ int Plan(const std::string& file) {
   if (!config) return Fail(config.error());
   const auto rig = MakeRig(*config);
   if (!rig) return Fail(rig.error());
-  if (const auto graph = BuildGraph(*config, *rig, {}); !graph) return Fail(graph.error());
+  if (const auto graph = BuildGraph(*config, *rig); !graph) return Fail(graph.error());
   std::cout << PlanText(*config, *rig) << std::flush;
   return kDone;
 }
@@ -53,9 +53,10 @@ int Draw(const std::string& file, bool dot) {
   if (!config) return Fail(config.error());
   const auto rig = MakeRig(*config);
   if (!rig) return Fail(rig.error());
-  const auto graph = BuildGraph(*config, *rig, {});
+  const auto graph = BuildGraph(*config, *rig);
   if (!graph) return Fail(graph.error());
-  std::cout << (dot ? graph::DrawDot(graph->parts()) : graph::DrawText(graph->parts()))
+  std::cout << (dot ? nodes::graph::DrawDot(graph->parts())
+                    : nodes::graph::DrawText(graph->parts()))
             << std::flush;
   return kDone;
 }

@@ -25,13 +25,13 @@ int Synthesize(const SynthesizeOptions& options) {
     return Fail({ErrorKind::kInput,
                  options.config + ": a config for turnlight run, allowed is one for turnlight "
                                   "synthesize, with a scene and neither rig nor graph"});
-  const auto config = rig::ReadSyntheticConfig(options.config);
+  const auto config = rig::sim::ReadSyntheticConfig(options.config);
   if (!config) return Fail(config.error());
   if (const Status status = CheckNewFolder(options.out); !status) return Fail(status.error());
-  Result<rig::SyntheticReport> report;
+  Result<rig::sim::SyntheticReport> report;
   {
     Progress progress("rendering", static_cast<std::size_t>(config->motion.frames));
-    report = rig::WriteSynthetic(*config, options.out, [&](std::size_t, std::size_t) {
+    report = rig::sim::WriteSynthetic(*config, options.out, [&](std::size_t, std::size_t) {
       progress.Step();
       return !Interrupted();
     });

@@ -16,10 +16,11 @@ StopFlag interrupted{false};
 std::atomic<int> at_once{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch it");
 
-std::atomic<graph::Graph*> stopped_graph{nullptr};
+std::atomic<nodes::graph::Graph*> stopped_graph{nullptr};
 std::atomic<int> presses{0};  // while there is a graph to stop
 std::atomic<bool> first_stops_now{false};
-static_assert(std::atomic<graph::Graph*>::is_always_lock_free, "a signal handler may touch it");
+static_assert(std::atomic<nodes::graph::Graph*>::is_always_lock_free,
+              "a signal handler may touch it");
 
 [[noreturn]] void EndNow() {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
@@ -28,10 +29,10 @@ static_assert(std::atomic<graph::Graph*>::is_always_lock_free, "a signal handler
 
 void HandleInterrupt(int signal) {
   const bool second = interrupted.exchange(true);
-  if (graph::Graph* graph = stopped_graph.load()) {
+  if (nodes::graph::Graph* graph = stopped_graph.load()) {
     const int press = presses.fetch_add(1) + 1;
     const bool now = press > 1 || signal == SIGTERM || first_stops_now.load();
-    graph->RequestStop(now ? graph::StopMode::kNow : graph::StopMode::kDrain);
+    graph->RequestStop(now ? nodes::graph::StopMode::kNow : nodes::graph::StopMode::kDrain);
     if (press < 3) return;
   }
   if (second || at_once.load() > 0) EndNow();
@@ -55,9 +56,9 @@ InterruptAtOnce::InterruptAtOnce() {
 }
 InterruptAtOnce::~InterruptAtOnce() { --at_once; }
 
-InterruptStopsGraph::InterruptStopsGraph(graph::Graph& graph, graph::StopMode first) {
+InterruptStopsGraph::InterruptStopsGraph(nodes::graph::Graph& graph, nodes::graph::StopMode first) {
   presses = 0;
-  first_stops_now = first == graph::StopMode::kNow;
+  first_stops_now = first == nodes::graph::StopMode::kNow;
   stopped_graph = &graph;
   if (interrupted) graph.RequestStop(first);  // it came before there was a graph
   struct sigaction action {};

@@ -29,7 +29,7 @@ class InterruptAtOnce {
 // third ends the program at once. One at a time; the graph must outlive it.
 class InterruptStopsGraph {
  public:
-  InterruptStopsGraph(graph::Graph& graph, graph::StopMode first);
+  InterruptStopsGraph(nodes::graph::Graph& graph, nodes::graph::StopMode first);
   ~InterruptStopsGraph();
   InterruptStopsGraph(const InterruptStopsGraph&) = delete;
   InterruptStopsGraph& operator=(const InterruptStopsGraph&) = delete;

@@ -1,49 +1,45 @@
 #include "app/run_config.h"
 
+#include <algorithm>
+#include <memory>
 #include <set>
 #include <utility>
 
+#include "app/rig_config.h"
 #include "base/file.h"
 #include "base/sha256.h"
-#include "nodes/capture_nodes.h"
-#include "rig/sim/blob.h"
 
 namespace turnlight::app {
 namespace {
 
-Status ReadRig(StrictObject rig, RunConfig& config) {
-  rig.Choice("driver", {"mock"});
-  auto table = rig.OptionalObject("table");
-  auto camera = rig.OptionalObject("camera");
-  auto faults = rig.OptionalObject("faults");
-  if (Status status = rig.Finish(); !status) return status;
-  if (table) {
-    auto read = rig::ReadMockTurntableConfig(*table);
-    if (!read) return Forward(read);
-    config.table = *read;
-  }
-  if (camera) {
-    auto read = rig::ReadMockCameraConfig(*camera);
-    if (!read) return Forward(read);
-    config.camera = *read;
-  }
-  if (!faults) return {};
-  const rig::CapturePlan& plan = config.plan;
-  const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
-  auto read = rig::ReadFaultScript(
-      *faults, {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)});
-  if (!read) return Forward(read);
-  config.faults = std::move(*read);
-  return {};
-}
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t{16} << 20;
 
 bool HasRunKeys(const Document& document) {
   const nlohmann::json& root = document.root;
   return root.contains("capture") || root.contains("rig") || root.contains("graph");
 }
 
+// One driver for both devices, the simulated scene within the camera: how configs were before
+// devices were named apart.
+Status RefuseOldShape(const std::string& file, StrictObject rig) {
+  auto camera = rig.OptionalObject("camera");
+  const bool old = rig.Has("driver") || rig.Has("faults") || (camera && camera->Has("scene"));
+  if (!old) return {};
+  return InputError(
+      file +
+      ": the section rig is of the old shape, with one driver for both devices and the simulated "
+      "scene within the camera; allowed is each device with its driver, and beside rig what only "
+      "a simulated world has:\n" +
+      kRigExample +
+      "configs/simulated_turntable.yaml is a whole one. A run that was begun with the old shape "
+      "is resumed and replayed by the version of turnlight that began it; its session, if "
+      "complete, is estimated by turnlight estimate.");
+}
+
 // Exactly one node takes the frames, and one keeps them.
-Status RequireNodes(const graph::GraphConfig& graph) {
+Status RequireNodes(const nodes::graph::GraphConfig& graph) {
   for (const std::string type : {"keyframes", "recorder"}) {
     const auto count = std::count_if(graph.nodes.begin(), graph.nodes.end(),
                                      [&](const auto& node) { return node.type == type; });
@@ -55,45 +51,43 @@ Status RequireNodes(const graph::GraphConfig& graph) {
   return {};
 }
 
-// A log is good for the same capture, rig and graph; three hashes, so that a refusal can name which
-// of them differs.
-std::string HashOf(const Document& document, const std::string& graph_hash) {
-  const auto hash = [&document](const char* key) {
-    return Sha256Hex(document.root.value(key, nlohmann::json()).dump());
+// A log is good for the same capture, rig, simulation and graph; a hash of each, so that a refusal
+// can name which of them differs. The rig is what its section says and the files that it names.
+std::string HashOf(const Document& document, const std::string& rig_files,
+                   const std::string& graph_hash) {
+  const auto text = [&document](const char* key) {
+    return document.root.value(key, nlohmann::json()).dump();
   };
-  return "capture " + hash("capture") + " rig " + hash("rig") + " graph " + graph_hash;
+  return "capture " + Sha256Hex(text("capture")) + " rig " + Sha256Hex(text("rig") + rig_files) +
+         " simulation " + Sha256Hex(text("simulation")) + " graph " + graph_hash;
 }
 
-rig::PictureFormat FormatOf(const rig::SyntheticConfig& scene) {
-  rig::PictureFormat format;
-  format.size = {scene.camera.width, scene.camera.height};
-  format.channels = 3;
-  format.depth = scene.sensor.depth == rig::SensorDepth::k8    ? CV_8U
-                 : scene.sensor.depth == rig::SensorDepth::k16 ? CV_16U
-                                                               : CV_32F;
-  return format;
+rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
+  const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
+  return {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)};
 }
 
-// The simulated sensor's noise in the merge's terms.
-rig::SensorNoise NoiseOf(const rig::MockCamera& camera) {
-  const rig::Sensor& sensor = camera.config().scene.sensor;
-  const calib::Radiometry& radiometry = camera.studio().radiometry;
-  const double span = radiometry.white - radiometry.black;
-  rig::SensorNoise noise;
-  noise.read_noise_dn = sensor.noise_relative * span;
-  noise.dn_per_electron = sensor.noise_shot * sensor.noise_shot * span;
-  return noise;
+Status ReadPlan(const std::optional<StrictObject>& capture, rig::CapturePlan& into) {
+  if (!capture) return {};
+  auto plan = rig::ParseCapturePlan(*capture);
+  if (!plan) return Forward(plan);
+  into = std::move(*plan);
+  return {};
 }
 
-rig::CaptureTarget TargetOf(const calib::TargetShape& shape) {
-  if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return *sphere;
-  if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return *plane;
-  return rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(std::get<calib::MeshShape>(shape))};
+Status ReadWorld(const std::optional<StrictObject>& simulation, RunConfig& config) {
+  if (!simulation) return {};
+  config.simulation_where = simulation->Where("");
+  auto read = rig::sim::ReadSimulation(*simulation, AnglesOf(config.plan));
+  if (!read) return Forward(read);
+  config.simulation = std::move(*read);
+  return {};
 }
 
 }  // namespace
 
-Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file) {
+Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
+                                 const fs::path& origin) {
   auto parsed = ParseYaml(text, file);
   if (!parsed) return Forward(parsed);
   const auto document = std::make_shared<const Document>(std::move(*parsed));
@@ -101,100 +95,50 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
     return InputError(file +
                       ": a config for turnlight synthesize, allowed is one for turnlight run, " +
                       "with rig and graph");
-  RunConfig config;
-  config.file = file;
-  config.text = text;
   StrictObject root(*document);
-  config.name = root.OptionalString("name").value_or(std::filesystem::path(file).stem().string());
+  const auto name = root.OptionalString("name");
   const auto capture = root.OptionalObject("capture");
   const StrictObject rig = root.Object("rig");
-  auto graph = graph::ReadGraphConfig(document, root);
+  const auto simulation = root.OptionalObject("simulation");
+  auto graph = nodes::graph::ReadGraphConfig(document, root);
   if (const Status status = root.Finish(); !status) return Forward(status);
+  if (const Status status = RefuseOldShape(file, rig); !status) return Forward(status);
   if (!graph) return Forward(graph);
-  config.graph = std::move(*graph);
-  config.graph.hash = HashOf(*document, config.graph.hash);
-  if (capture) {
-    auto plan = rig::ParseCapturePlan(*capture);
-    if (!plan) return Forward(plan);
-    config.plan = std::move(*plan);
-  }
-  if (const Status status = ReadRig(rig, config); !status) return Forward(status);
+
+  RunConfig config(rig, std::move(*graph));
+  config.file = file;
+  config.text = text;
+  config.name = name.value_or(origin.stem().string());
+  Status status = RequireNodes(config.graph);
+  if (status) status = ReadPlan(capture, config.plan);
+  if (!status) return Forward(status);
+  const auto files = ReadRigSection(origin.parent_path(), config);
+  if (!files) return Forward(files);
+  if (status = ReadWorld(simulation, config); !status) return Forward(status);
+  config.calibration_text = files->calibration;
+  config.graph.hash = HashOf(*document, files->calibration + files->mesh, config.graph.hash);
   return config;
 }
 
-Result<RunConfig> ReadRunConfig(const std::filesystem::path& path) {
-  const auto text = ReadFile(path, std::uint64_t{16} << 20);
+Result<RunConfig> ReadRunConfig(const fs::path& path, const fs::path& origin) {
+  const auto text = ReadFile(path, kMaxFileBytes);
   if (!text) return Forward(text);
-  return ParseRunConfig(*text, path.string());
+  return ParseRunConfig(*text, path.string(), origin);
 }
 
-Result<bool> IsRunConfig(const std::filesystem::path& path) {
-  const auto text = ReadFile(path, std::uint64_t{16} << 20);
+Result<RunConfig> ReadRunConfig(const fs::path& path) { return ReadRunConfig(path, path); }
+
+Result<bool> IsRunConfig(const fs::path& path) {
+  const auto text = ReadFile(path, kMaxFileBytes);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, path.string());
   if (!document) return Forward(document);
   return document->root.is_object() && HasRunKeys(*document);
 }
 
-Result<Rig> MakeRig(const RunConfig& config) {
-  Rig rig;
-  rig.faults = std::make_shared<rig::FaultScript>(config.faults);
-  rig.table = std::make_shared<rig::MockTurntable>(config.table, rig.faults);
-  auto camera = rig::MockCamera::Create(config.camera, rig.table, rig.faults);
-  if (!camera) return Forward(camera);
-  rig.camera = std::move(*camera);
-  rig.format = FormatOf(config.camera.scene);
-  rig.noise = NoiseOf(*rig.camera);
-  return rig;
-}
-
-Result<RigIdentity> OpenRig(const Rig& rig) {
-  const auto camera = rig.camera->Open(rig::DeviceTime(0));
-  if (!camera) return Forward(camera);
-  const auto table = rig.table->Open(rig::DeviceTime(0));
-  if (!table) return Forward(table);
-  return RigIdentity{*camera, *table};
-}
-
-rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
-                                   const RigIdentity& identity) {
-  const rig::Studio& studio = rig.camera->studio();
-  return {.plan = config.plan,
-          .config_text = config.text,
-          .name = config.name,
-          .length_unit = "mm",
-          .camera = studio.camera,
-          .radiometry = studio.radiometry,
-          .bayer = std::nullopt,
-          .target = TargetOf(studio.target),
-          .format = rig.format,
-          .camera_identity = identity.camera,
-          .table_identity = identity.table};
-}
-
-Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use) {
-  if (const Status status = RequireNodes(config.graph); !status) return Forward(status);
-  const rig::Studio& studio = rig.camera->studio();
-  nodes::KeyframesJob job;
-  job.plan = config.plan;
-  job.frames = std::move(use.frames);
-  job.radiometry = studio.radiometry;
-  auto graph = graph::Graph::Build(
-      config.graph,
-      nodes::CaptureNodes({rig.table, rig.camera, std::move(job), studio.camera, rig.noise,
-                           [camera = rig.camera](double angle_deg) {
-                             const rig::Placement placed = camera->PlacementAt(angle_deg);
-                             return nodes::CameraAndTarget{placed.X_WC, placed.X_WT};
-                           },
-                           studio.target, std::move(use.recorder), std::move(use.log_line)}));
-  if (!graph) return graph;
-  if (const Status status = graph->Configure(); !status) return Forward(status);
-  return graph;
-}
-
-void RemoveNodes(graph::GraphConfig& graph, const std::string& type) {
+bool RemoveNodes(nodes::graph::GraphConfig& graph, const std::string& type) {
   std::set<std::string> removed;
-  for (const graph::NodeConfig& node : graph.nodes)
+  for (const nodes::graph::NodeConfig& node : graph.nodes)
     if (node.type == type) removed.insert(node.name);
   const auto of_removed = [&](const std::string& topic) {
     return removed.count(topic.substr(0, topic.find('.'))) > 0;
@@ -204,6 +148,7 @@ void RemoveNodes(graph::GraphConfig& graph, const std::string& type) {
     return of_removed(connection.from) || of_removed(connection.to);
   });
   std::erase_if(graph.record, [&](const auto& record) { return of_removed(record.topic); });
+  return !removed.empty();
 }
 
 }  // namespace turnlight::app

@@ -1,82 +1,72 @@
 // The config of a run: what is captured, with which devices, and the graph that does it.
 //
-//   name: simulated_turntable        # of the session; optional
+//   name: simulated_turntable        # of the session; optional: the file's, without its ending
 //   capture: {...}                   # rig/capture/capture_plan.h
-//   rig:
-//     driver: mock                   # simulated devices, the only driver so far
-//     table: {...}                   # rig/sim/mock_turntable.h
-//     camera: {...}                  # rig/sim/mock_camera.h
-//     faults: {...}                  # rig/sim/fault_script.h; optional: what goes wrong
+//   rig:                             # what a real rig has as well
+//     table: {driver: mock, ...}     # app/drivers.h; the other keys are the driver's
+//     camera: {driver: mock, ...}
+//     calibration: FILE or {...}     # rig/rig_calibration.h; of a simulated rig optional: else it
+//                                    # is what is true of the simulation
+//     target: {...}                  # as in session.json; of a simulated rig optional: else the
+//                                    # simulation's
+//     length_unit: mm                # of the session; optional: the calibration's, or mm
+//   simulation: {...}                # rig/sim/simulation.h: the world of mock devices, and theirs
+//                                    # only
 //   graph: {...}                     # nodes/graph/config.h
+// Files that are named are relative to the config's folder.
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <memory>
+#include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "base/result.h"
+#include "base/strict_object.h"
 #include "nodes/graph/config.h"
-#include "nodes/graph/graph.h"
 #include "rig/capture/capture_plan.h"
-#include "rig/capture/exposure_merge.h"
-#include "rig/capture/session_recorder.h"
-#include "rig/sim/fault_script.h"
-#include "rig/sim/mock_camera.h"
-#include "rig/sim/mock_turntable.h"
+#include "rig/rig_calibration.h"
+#include "rig/rig_setup.h"
+#include "rig/sim/simulation.h"
 
 namespace turnlight::app {
 
 struct RunConfig {
-  std::string file, text;  // as read
+  // Its sections point into graph.document.
+  RunConfig(StrictObject rig_section, nodes::graph::GraphConfig graph_config)
+      : rig(rig_section), table(rig_section), camera(rig_section), graph(std::move(graph_config)) {}
+
+  std::string file;
+  std::string text;              // as read
+  std::string calibration_text;  // of the file, if the calibration is one
   std::string name;
   rig::CapturePlan plan;
-  rig::MockTurntableConfig table;
-  rig::MockCameraConfig camera;
-  std::vector<rig::FaultEntry> faults;
-  graph::GraphConfig graph;
+  StrictObject rig;            // the section, for messages
+  StrictObject table, camera;  // with the key driver
+  std::optional<rig::RigCalibration> calibration;
+  std::optional<rig::RigTarget> target;
+  std::string length_unit = "mm";
+  std::optional<rig::sim::SimulationConfig> simulation;
+  std::string simulation_where;  // "FILE:LINE: simulation"
+  nodes::graph::GraphConfig graph;
 };
 
-// Fails (kInput) with file, line, key and what is allowed.
+// Fails (kInput) with file, line, key and what is allowed; also of a graph that would take no
+// frames, or keep none.
 Result<RunConfig> ReadRunConfig(const std::filesystem::path& path);
-Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file);
+// Of a copy in a run's folder: origin is the file that it is a copy of, for its name and for the
+// files that it names.
+Result<RunConfig> ReadRunConfig(const std::filesystem::path& path,
+                                const std::filesystem::path& origin);
+// file names the text in messages.
+Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
+                                 const std::filesystem::path& origin);
 
 // Whether the file is one for a run, or one for a generated session, which has none of these keys.
 // Fails (kInput) if it cannot be read.
 Result<bool> IsRunConfig(const std::filesystem::path& path);
 
-// The devices of a config, and what the session says of them.
-struct Rig {
-  std::shared_ptr<rig::MockTurntable> table;
-  std::shared_ptr<rig::MockCamera> camera;
-  std::shared_ptr<rig::FaultScript> faults;
-  rig::PictureFormat format;
-  rig::SensorNoise noise;
-};
-Result<Rig> MakeRig(const RunConfig& config);
-
-struct RigIdentity {
-  rig::DeviceIdentity camera, table;
-};
-// Opens the devices; a graph takes them open. Fails (kDevice) with the device's name.
-Result<RigIdentity> OpenRig(const Rig& rig);
-
-// What the recorder needs to know.
-rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const Rig& rig,
-                                   const RigIdentity& identity);
-
-// What a graph is for; by default for being checked and drawn.
-struct GraphUse {
-  std::vector<rig::PlannedFrame> frames;  // still to be taken
-  std::shared_ptr<rig::SessionRecorder> recorder;
-  std::function<void(const std::string&)> log_line = [](const std::string&) {};
-};
-// Built and given its params; nothing runs. Fails (kInput) with file, line, key and what is
-// allowed; also of a graph that would take no frames, or keep none.
-Result<graph::Graph> BuildGraph(const RunConfig& config, const Rig& rig, GraphUse use);
-
-// Takes the nodes of a type out, with their connections and records.
-void RemoveNodes(graph::GraphConfig& graph, const std::string& type);
+// Takes the nodes of a type out, with their connections and records. Whether there were any.
+bool RemoveNodes(nodes::graph::GraphConfig& graph, const std::string& type);
 
 }  // namespace turnlight::app

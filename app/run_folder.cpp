@@ -45,15 +45,17 @@ Status RunFolder::CheckBegun() const {
                     "capture");
 }
 
-Status RunFolder::Begin(const std::string& config_text, CaptureGoal goal) const {
-  const nlohmann::ordered_json run{{"format", "turnlight-run"},
-                                   {"version", 1},
-                                   {"command", goal == CaptureGoal::kEstimate ? "run" : "capture"}};
+Status RunFolder::Begin(const std::string& config_text, const BegunRun& begun) const {
+  const nlohmann::ordered_json run{
+      {"format", "turnlight-run"},
+      {"version", 1},
+      {"command", begun.goal == CaptureGoal::kEstimate ? "run" : "capture"},
+      {"config", begun.config.string()}};
   if (const Status status = WriteFileAtomic(config(), config_text); !status) return status;
   return WriteFileAtomic(root_ / kRunFile, run.dump() + "\n");
 }
 
-Result<CaptureGoal> RunFolder::ReadGoal() const {
+Result<BegunRun> RunFolder::ReadBegun() const {
   const auto text = ReadFile(root_ / kRunFile, 1 << 16);
   if (!text) return Forward(text);
   const auto document = ParseJson(*text, (root_ / kRunFile).string());
@@ -62,8 +64,9 @@ Result<CaptureGoal> RunFolder::ReadGoal() const {
   run.Choice("format", {"turnlight-run"});
   run.Integer("version", 1, 1);
   const std::string command = run.Choice("command", {"run", "capture"});
+  const std::string origin = run.OptionalString("config").value_or(config().string());
   if (const Status status = run.Finish(); !status) return Forward(status);
-  return command == "run" ? CaptureGoal::kEstimate : CaptureGoal::kSession;
+  return BegunRun{command == "run" ? CaptureGoal::kEstimate : CaptureGoal::kSession, origin};
 }
 
 }  // namespace turnlight::app

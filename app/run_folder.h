@@ -1,6 +1,7 @@
 // The folder of one run of a capture graph:
 //   DIR/config.yaml   the config as it was read; resume and replay take it from here
-//   DIR/run.json      what was begun: {"format": "turnlight-run", "version": 1, "command": "run"}
+//   DIR/run.json      what was begun: {"format": "turnlight-run", "version": 1, "command": "run",
+//                     "config": "/.../FILE.yaml"}, the file that config.yaml is a copy of
 //   DIR/session       the session (rig/capture/session_recorder.h); a simulated rig leaves its
 //                     truth.json there
 //   DIR/log           what the graph recorded; a resumed run writes log-2, log-3, ...
@@ -16,6 +17,11 @@
 namespace turnlight::app {
 
 enum class CaptureGoal { kEstimate, kSession };  // run; capture
+
+struct BegunRun {
+  CaptureGoal goal = CaptureGoal::kEstimate;
+  std::filesystem::path config;  // the file that was read; absolute
+};
 
 class RunFolder {
  public:
@@ -38,8 +44,8 @@ class RunFolder {
   Status CheckBegun() const;
 
   // Writes config.yaml and run.json; before the session is begun.
-  Status Begin(const std::string& config_text, CaptureGoal goal) const;
-  Result<CaptureGoal> ReadGoal() const;
+  Status Begin(const std::string& config_text, const BegunRun& run) const;
+  Result<BegunRun> ReadBegun() const;
 
  private:
   std::filesystem::path root_;

@@ -9,7 +9,7 @@
 namespace turnlight::app {
 
 struct RunOutcome {
-  const graph::RunReport& report;
+  const nodes::graph::RunReport& report;
   bool failure_shown = false;  // a line of the run has said it already
   std::size_t missing = 0;     // frames
   bool session_complete = false;

@@ -35,6 +35,10 @@ inline tl::unexpected<Error> InputError(std::string text) {
 inline tl::unexpected<Error> SystemError(std::string text) {
   return tl::unexpected<Error>(Error{ErrorKind::kSystem, std::move(text)});
 }
+// What a device's call returns when it cannot do its part.
+inline tl::unexpected<Error> DeviceError(std::string text) {
+  return tl::unexpected<Error>(Error{ErrorKind::kDevice, std::move(text)});
+}
 inline tl::unexpected<Error> NoEstimateError(std::string text) {
   return tl::unexpected<Error>(Error{ErrorKind::kNoEstimate, std::move(text)});
 }

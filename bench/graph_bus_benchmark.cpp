@@ -20,7 +20,7 @@
 
 #include "nodes/graph/graph.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 struct Small {
   std::int64_t number = 0;
@@ -296,12 +296,12 @@ void RegisterAll() {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  turnlight::graph::RegisterAll();
+  turnlight::nodes::graph::RegisterAll();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

@@ -18,11 +18,11 @@ endfunction()
 
 # turnlight_layer(NAME SOURCES ... USES ...): one folder's library. A function used from a layer that
 # is not in USES fails at the link; scripts/check-layers refuses the include already.
-# A layer in TURNLIGHT_PLAIN_LAYERS is not compiled but taken from build/release: see CMakePresets.
+# A layer whose folder matches TURNLIGHT_PLAIN is not compiled but taken from build/release.
 function(turnlight_layer name)
   cmake_parse_arguments(LAYER "" "" "SOURCES;USES" ${ARGN})
-  if(name IN_LIST TURNLIGHT_PLAIN_LAYERS)
-    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(TURNLIGHT_PLAIN AND folder MATCHES "${TURNLIGHT_PLAIN}")
     add_library(${name} INTERFACE)
     target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} INTERFACE

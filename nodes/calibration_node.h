@@ -5,33 +5,28 @@
 //   out      keyframe      Keyframe; the closure frame as well
 #pragma once
 
-#include <functional>
 #include <utility>
 
 #include "calib/camera_model.h"
-#include "calib/pose.h"
 #include "calib/radiometry.h"
+#include "calib/rig_geometry.h"
 #include "nodes/graph/node.h"
 #include "nodes/messages.h"
 #include "rig/capture/exposure_merge.h"
 
 namespace turnlight::nodes {
 
-struct CameraAndTarget {
-  calib::Pose X_WC, X_WT;
-};
-
-struct RigCalibration {
+struct BracketCalibration {
   calib::CameraModel camera;
   calib::Radiometry raw;      // of raw DN; with a reference exposure if brackets are merged
   calib::Radiometry session;  // rig::SessionRadiometry of it
   rig::SensorNoise noise;
-  std::function<CameraAndTarget(double angle_deg)> place;
+  calib::RigGeometry geometry;
 };
 
 class CalibrationNode : public graph::Node {
  public:
-  explicit CalibrationNode(RigCalibration calibration) : calibration_(std::move(calibration)) {}
+  explicit CalibrationNode(BracketCalibration calibration) : calibration_(std::move(calibration)) {}
   Status Start() override;
 
  private:
@@ -40,7 +35,7 @@ class CalibrationNode : public graph::Node {
   graph::Input<Bracket> bracket_{this, "bracket", &CalibrationNode::OnBracket};
   graph::Output<CameraModel> camera_model_{this, "camera_model", graph::Latch::kYes};
   graph::Output<Keyframe> keyframe_{this, "keyframe"};
-  RigCalibration calibration_;
+  BracketCalibration calibration_;
   std::string camera_sha256_;
 };
 

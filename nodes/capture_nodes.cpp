@@ -2,19 +2,22 @@
 
 #include <utility>
 
+#include "nodes/calibration_node.h"
 #include "nodes/camera_node.h"
 #include "nodes/estimator_node.h"
+#include "nodes/logger_node.h"
 #include "nodes/recorder_node.h"
 #include "nodes/turntable_node.h"
 
 namespace turnlight::nodes {
 namespace {
 
-RigCalibration CalibrationOf(const CaptureParts& parts) {
+BracketCalibration CalibrationOf(const CaptureParts& parts) {
   const rig::CapturePlan& plan = parts.job.plan;
-  const calib::Radiometry& raw = parts.job.radiometry;
-  return {parts.lens, rig::RawRadiometry(raw, plan.exposures_us, plan.gain_db),
-          rig::SessionRadiometry(raw, plan.exposures_us, plan.gain_db), parts.noise, parts.place};
+  const rig::RigKnowledge& known = parts.rig.known;
+  return {known.lens, rig::RawRadiometry(known.radiometry, plan.exposures_us, plan.gain_db),
+          rig::SessionRadiometry(known.radiometry, plan.exposures_us, plan.gain_db), known.noise,
+          known.geometry};
 }
 
 }  // namespace
@@ -22,14 +25,22 @@ RigCalibration CalibrationOf(const CaptureParts& parts) {
 graph::NodeRegistry CaptureNodes(CaptureParts parts) {
   const auto shared = std::make_shared<const CaptureParts>(std::move(parts));
   graph::NodeRegistry registry;
-  registry.Add("keyframes", [shared] { return std::make_unique<KeyframesNode>(shared->job); });
-  registry.Add("turntable", [shared] { return std::make_unique<TurntableNode>(shared->table); });
-  registry.Add("camera", [shared] { return std::make_unique<CameraNode>(shared->camera); });
+  registry.Add("keyframes", [shared] {
+    return std::make_unique<KeyframesNode>(shared->job, shared->rig.known.radiometry, shared->work);
+  });
+  registry.Add("turntable",
+               [shared] { return std::make_unique<TurntableNode>(shared->rig.table.turntable); });
+  registry.Add("camera",
+               [shared] { return std::make_unique<CameraNode>(shared->rig.camera.camera); });
   registry.Add("calibration",
                [shared] { return std::make_unique<CalibrationNode>(CalibrationOf(*shared)); });
-  registry.Add("recorder", [shared] { return std::make_unique<RecorderNode>(shared->recorder); });
-  registry.Add("estimator", [shared] { return std::make_unique<EstimatorNode>(shared->target); });
-  registry.Add("logger", [shared] { return std::make_unique<LoggerNode>(shared->log_line); });
+  registry.Add("recorder", [shared] { return std::make_unique<RecorderNode>(shared->work); });
+  registry.Add("estimator",
+               [shared] { return std::make_unique<EstimatorNode>(shared->rig.target.shape); });
+  registry.Add("logger", [shared] {
+    return std::make_unique<LoggerNode>(
+        [work = shared->work](const std::string& line) { work->log_line(line); });
+  });
   return registry;
 }
 

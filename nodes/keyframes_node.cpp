@@ -33,8 +33,8 @@ Status KeyframesNode::WindDown() {
 
 Status KeyframesNode::BeginKeyframe() {
   phase_ = Phase::kIdle;
-  if (next_ == job_.frames.size()) RequestStop();
-  if (next_ == job_.frames.size() || stopping_) return {};
+  if (next_ == work_->frames.size()) RequestStop();
+  if (next_ == work_->frames.size() || stopping_) return {};
   HoldStop();
   bracket_ = Bracket{};
   bracket_.index = Frame().index;
@@ -131,7 +131,7 @@ Status KeyframesNode::Judge(const nodes::Frame& frame) {
   // clipped on purpose.
   if (which == 0) {
     const rig::FrameCheck check =
-        rig::CheckFrame(frame.image, job_.radiometry, job_.gate, levels_[which]);
+        rig::CheckFrame(frame.image, radiometry_, job_.gate, levels_[which]);
     if (check.verdict != rig::FrameVerdict::kGood)
       return Reject(ErrorKind::kIncomplete, check.text);
     levels_now_.push_back(check.statistics.mean_level);

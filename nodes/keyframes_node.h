@@ -14,11 +14,13 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calib/radiometry.h"
+#include "nodes/capture_work.h"
 #include "nodes/graph/action.h"
 #include "nodes/messages.h"
 #include "rig/capture/capture_plan.h"
@@ -28,8 +30,6 @@ namespace turnlight::nodes {
 
 struct KeyframesJob {
   rig::CapturePlan plan;
-  std::vector<rig::PlannedFrame> frames;  // still to be taken, in order
-  calib::Radiometry radiometry;           // of raw DN
   rig::FrameGate gate;
   // For the test that shows what they are good for; everything else leaves them on.
   bool check_arrival = true;
@@ -38,7 +38,10 @@ struct KeyframesJob {
 
 class KeyframesNode : public graph::Node {
  public:
-  explicit KeyframesNode(KeyframesJob job) : job_(std::move(job)) {}
+  // radiometry: of raw DN.
+  KeyframesNode(KeyframesJob job, const calib::Radiometry& radiometry,
+                std::shared_ptr<const CaptureWork> work)
+      : job_(std::move(job)), radiometry_(radiometry), work_(std::move(work)) {}
   Status Configure(StrictObject& params) override;
   Status Start() override { return BeginKeyframe(); }
   Status WindDown() override;
@@ -58,7 +61,7 @@ class KeyframesNode : public graph::Node {
   Status Judge(const Frame& frame);
   Status Accept();
   Status Reject(ErrorKind kind, const std::string& why);
-  const rig::PlannedFrame& Frame() const { return job_.frames[next_]; }
+  const rig::PlannedFrame& Frame() const { return work_->frames[next_]; }
 
   graph::Clock clock_{this};
   graph::Timer timer_{this, "timer", &KeyframesNode::OnTimer};
@@ -68,9 +71,11 @@ class KeyframesNode : public graph::Node {
   graph::Output<Bracket> bracket_out_{this, "bracket"};
 
   KeyframesJob job_;
+  calib::Radiometry radiometry_;
+  std::shared_ptr<const CaptureWork> work_;
   double still_deg_ = 0.0;
   graph::Duration retry_wait_{}, state_timeout_{}, home_timeout_{};
-  std::size_t next_ = 0;            // into job_.frames
+  std::size_t next_ = 0;            // into work_->frames
   std::optional<double> from_deg_;  // where the table stands after a good keyframe
   bool stopping_ = false;
   Phase phase_ = Phase::kIdle;

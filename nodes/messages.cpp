@@ -2,7 +2,7 @@
 
 #include <span>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using nodes::Bracket;
@@ -302,4 +302,4 @@ nodes::Estimate Wire<nodes::Estimate>::Decode(WireReader& in) {
   return estimate;
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

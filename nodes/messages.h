@@ -124,7 +124,7 @@ struct Estimate {
 
 }  // namespace turnlight::nodes
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 #define TURNLIGHT_WIRE(Type, Word, Version)               \
   template <>                                             \
@@ -149,4 +149,4 @@ TURNLIGHT_WIRE(nodes::Stored, "Stored", 1);
 TURNLIGHT_WIRE(nodes::Estimate, "Estimate", 1);
 #undef TURNLIGHT_WIRE
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

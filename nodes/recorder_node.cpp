@@ -3,7 +3,8 @@
 namespace turnlight::nodes {
 
 Status RecorderNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
-  if (!recorder_) return {};
+  rig::SessionRecorder* recorder = work_->recorder.get();
+  if (!recorder) return {};
   const Bracket& bracket = keyframe->bracket;
   rig::RecordedKeyframe record;
   record.index = bracket.index;
@@ -22,10 +23,10 @@ Status RecorderNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
   for (const Frame& frame : bracket.exposures)
     record.provenance.counters.push_back(
         {{"frame_id", static_cast<std::int64_t>(frame.frame_id)}, {"drained", frame.drained}});
-  if (Status status = recorder_->Add(record); !status) return status;
-  const std::size_t missing = recorder_->Missing().size();
+  if (Status status = recorder->Add(record); !status) return status;
+  const std::size_t missing = recorder->Missing().size();
   stored_.Publish({bracket.index, missing}, keyframe.header.valid_at);
-  return missing == 0 ? recorder_->Finish() : Status();
+  return missing == 0 ? recorder->Finish() : Status();
 }
 
 }  // namespace turnlight::nodes

@@ -6,24 +6,22 @@
 #include <memory>
 #include <utility>
 
+#include "nodes/capture_work.h"
 #include "nodes/graph/node.h"
 #include "nodes/messages.h"
-#include "rig/capture/session_recorder.h"
 
 namespace turnlight::nodes {
 
 class RecorderNode : public graph::Node {
  public:
-  // Null: nothing is stored; for drawing a graph.
-  explicit RecorderNode(std::shared_ptr<rig::SessionRecorder> recorder)
-      : recorder_(std::move(recorder)) {}
+  explicit RecorderNode(std::shared_ptr<const CaptureWork> work) : work_(std::move(work)) {}
 
  private:
   Status OnKeyframe(const graph::Message<Keyframe>& keyframe);
 
   graph::Input<Keyframe> keyframe_{this, "keyframe", &RecorderNode::OnKeyframe};
   graph::Output<Stored> stored_{this, "stored"};
-  std::shared_ptr<rig::SessionRecorder> recorder_;
+  std::shared_ptr<const CaptureWork> work_;
 };
 
 }  // namespace turnlight::nodes

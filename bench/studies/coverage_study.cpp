@@ -23,13 +23,13 @@ constexpr double kMostlyOpen = 10.0;       // sigma_total over sigma_stat
 constexpr int kWidth = 120, kHeight = 90;  // small pictures: the noise counts, and it is quick
 constexpr std::uint64_t kNoiseStream = std::uint64_t{1} << 52;
 
-bool Fits(const rig::SyntheticConfig& config) {
-  return !std::holds_alternative<rig::Blob>(config.target) &&
+bool Fits(const rig::sim::SyntheticConfig& config) {
+  return !std::holds_alternative<rig::sim::Blob>(config.target) &&
          config.sensor.noise_relative >= kLeastNoise &&
-         std::get<std::vector<rig::LightSpec>>(config.lights).size() <= kMostLights;
+         std::get<std::vector<rig::sim::LightSpec>>(config.lights).size() <= kMostLights;
 }
 
-Result<rig::SyntheticConfig> CoverageScene(int scene) {
+Result<rig::sim::SyntheticConfig> CoverageScene(int scene) {
   for (int i = 0; i < kNumbersPerScene; ++i) {
     auto config = RandomScene(static_cast<std::uint64_t>(scene * kNumbersPerScene + i));
     if (!config || !Fits(*config)) continue;
@@ -44,37 +44,38 @@ Result<rig::SyntheticConfig> CoverageScene(int scene) {
 // The pictures without noise, and the sensor that photographs them again and again.
 class Camera {
  public:
-  static Result<Camera> Build(const rig::SyntheticConfig& config) {
-    auto studio = rig::BuildStudio(config);
+  static Result<Camera> Build(const rig::sim::SyntheticConfig& config) {
+    auto studio = rig::sim::BuildStudio(config);
     if (!studio) return Forward(studio);
     Camera camera(config, std::move(*studio));
     for (int i = 0; i < config.motion.frames; ++i) {
-      camera.placements_.push_back(rig::PlaceAt(config.motion, i * config.motion.step_deg));
-      camera.renderings_.push_back(rig::RenderPlacement(camera.studio_, camera.placements_.back()));
+      camera.placements_.push_back(rig::sim::PlaceAt(config.motion, i * config.motion.step_deg));
+      camera.renderings_.push_back(
+          rig::sim::RenderPlacement(camera.studio_, camera.placements_.back()));
     }
     return camera;
   }
 
-  rig::SyntheticSession Draw(int draw) const {
-    rig::SyntheticSession session{
+  rig::sim::SyntheticSession Draw(int draw) const {
+    rig::sim::SyntheticSession session{
         studio_.camera, studio_.target, studio_.radiometry, {}, studio_.scene};
     for (std::size_t i = 0; i < placements_.size(); ++i) {
       const RandomStream random(config_.seed,
                                 kNoiseStream + static_cast<std::uint64_t>(draw) * 1000 + i);
-      session.frames.push_back(
-          {rig::Photograph(config_.sensor, studio_.radiometry, {}, random, renderings_[i].radiance),
-           renderings_[i].coverage > 0.0f, placements_[i].X_WC, placements_[i].X_WT, 0.0,
-           calib::Exposure{}});
+      session.frames.push_back({rig::sim::Photograph(config_.sensor, studio_.radiometry, {}, random,
+                                                     renderings_[i].radiance),
+                                renderings_[i].coverage > 0.0f, placements_[i].X_WC,
+                                placements_[i].X_WT, 0.0, calib::Exposure{}});
     }
     return session;
   }
 
  private:
-  Camera(rig::SyntheticConfig config, rig::Studio studio)
+  Camera(rig::sim::SyntheticConfig config, rig::sim::Studio studio)
       : config_(std::move(config)), studio_(std::move(studio)) {}
-  rig::SyntheticConfig config_;
-  rig::Studio studio_;
-  std::vector<rig::Placement> placements_;
+  rig::sim::SyntheticConfig config_;
+  rig::sim::Studio studio_;
+  std::vector<calib::RigPoses> placements_;
   std::vector<estimator::target::Rendering> renderings_;
 };
 

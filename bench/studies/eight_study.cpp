@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::uint64_t kArrangementStream = std::uint64_t{1} << 50;
 
-std::vector<rig::LightSpec> EightLights(int arrangement, double radius) {
+std::vector<rig::sim::LightSpec> EightLights(int arrangement, double radius) {
   const RandomStream random(static_cast<std::uint64_t>(arrangement), kArrangementStream);
   const bool first = arrangement == 0;
-  std::vector<rig::LightSpec> lights;
+  std::vector<rig::sim::LightSpec> lights;
   std::uint64_t next = 0;
   const double turn = first ? 0.0 : random.Uniform(next++, 0.0, 360.0);
   for (int i = 0; i < 8; ++i) {
@@ -23,7 +23,7 @@ std::vector<rig::LightSpec> EightLights(int arrangement, double radius) {
     const double zenith = DegToRad((upper ? 22.0 : 58.0) + jitter());
     const double azimuth =
         DegToRad(turn + (upper ? 20.0 + 120.0 * i : 35.0 + 72.0 * (i - 3)) + jitter());
-    rig::LightSpec light;
+    rig::sim::LightSpec light;
     light.direction = {std::sin(zenith) * std::cos(azimuth), std::sin(zenith) * std::sin(azimuth),
                        std::cos(zenith)};
     light.distance =
@@ -34,14 +34,14 @@ std::vector<rig::LightSpec> EightLights(int arrangement, double radius) {
   return lights;
 }
 
-rig::SyntheticConfig EightConfig(int arrangement, bool mesh, int views, double noise) {
-  rig::SyntheticConfig config;
+rig::sim::SyntheticConfig EightConfig(int arrangement, bool mesh, int views, double noise) {
+  rig::sim::SyntheticConfig config;
   config.seed = static_cast<std::uint64_t>(arrangement) + 1;
-  if (mesh) config.target = rig::Blob{40.0, 0.25, 128};
+  if (mesh) config.target = rig::sim::Blob{40.0, 0.25, 128};
   config.motion.frames = views;
   config.motion.step_deg = 360.0 / views;
   config.motion.elevation_deg = 40.0;
-  config.lights = EightLights(arrangement, rig::TargetRadius(config.target));
+  config.lights = EightLights(arrangement, rig::sim::TargetRadius(config.target));
   estimator::model::Reflectance material;
   material.albedo = {0.5, 0.45, 0.35};
   material.ambient = 0.1;
@@ -55,8 +55,8 @@ rig::SyntheticConfig EightConfig(int arrangement, bool mesh, int views, double n
 }
 
 // The estimate, and beside it the paper's method on the same pictures.
-Json WithPaper(const rig::SyntheticConfig& config) {
-  const auto session = rig::SynthesizeInMemory(config);
+Json WithPaper(const rig::sim::SyntheticConfig& config) {
+  const auto session = rig::sim::SynthesizeInMemory(config);
   if (!session) return Json{{"failed", session.error().text}};
   Json record = Joined(Describe(config), EstimateAndScore(*session));
   estimator::baseline::PaperOptions options;

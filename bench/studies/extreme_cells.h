@@ -17,13 +17,13 @@ namespace turnlight::studies {
 struct ExtremeCell {
   std::string group;    // "shininess"
   std::string setting;  // "1e5"
-  std::function<Result<rig::SyntheticSession>()> make;
+  std::function<Result<rig::sim::SyntheticSession>()> make;
 };
 
 std::vector<ExtremeCell> ExtremeCells();
 
 // The plain scene.
-rig::SyntheticConfig PlainConfig();
+rig::sim::SyntheticConfig PlainConfig();
 
 // Parts of ExtremeCells, one per file: scenes whose config says everything, and those whose
 // pictures, poses or shapes are changed after they were made.

@@ -12,8 +12,8 @@
 namespace turnlight::studies {
 namespace {
 
-using rig::SyntheticConfig;
-using rig::SyntheticSession;
+using rig::sim::SyntheticConfig;
+using rig::sim::SyntheticSession;
 
 constexpr std::uint64_t kSpoilStream = std::uint64_t{1} << 53;
 
@@ -21,7 +21,7 @@ constexpr std::uint64_t kSpoilStream = std::uint64_t{1} << 53;
 void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::string& setting,
          const SyntheticConfig& config, const std::function<void(SyntheticSession&)>& change) {
   cells.push_back({group, setting, [config, change]() -> Result<SyntheticSession> {
-                     auto session = rig::SynthesizeInMemory(config);
+                     auto session = rig::sim::SynthesizeInMemory(config);
                      if (session) change(*session);
                      return session;
                    }});
@@ -29,7 +29,7 @@ void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::s
 
 // Moves W's origin by `shift` (in the old W).
 void MoveOrigin(SyntheticSession& session, const Eigen::Vector3d& shift) {
-  for (rig::SyntheticFrame& frame : session.frames) {
+  for (rig::sim::SyntheticFrame& frame : session.frames) {
     frame.X_WC.translation -= shift;
     frame.X_WT.translation -= shift;
   }
@@ -93,14 +93,14 @@ void TurnNormals(SyntheticSession& session, double angle, bool each) {
 SyntheticConfig FloatConfig() {
   SyntheticConfig config = PlainConfig();
   config.sensor = {};
-  config.sensor.depth = rig::SensorDepth::kFloat;
+  config.sensor.depth = rig::sim::SensorDepth::kFloat;
   config.sensor.noise_relative = 0.002;
   return config;
 }
 
 // A dim pattern of veins, unknown to the model: radiance times 1 - depth where a sine is large.
 void AddDirt(SyntheticSession& session, double depth) {
-  for (rig::SyntheticFrame& frame : session.frames)
+  for (rig::sim::SyntheticFrame& frame : session.frames)
     for (int row = 0; row < frame.image.rows; ++row)
       for (int column = 0; column < frame.image.cols; ++column) {
         if (std::sin(0.35 * row + 2.0 * std::sin(0.2 * column)) < 0.7) continue;
@@ -128,9 +128,9 @@ void AddFloatCells(std::vector<ExtremeCell>& cells) {
 
 void AddPictureCells(std::vector<ExtremeCell>& cells) {
   SyntheticConfig table = PlainConfig();
-  table.motion = {rig::MotionKind::kTable, 36, 10.0, 420.0, 30.0, 0.0};
+  table.motion = {rig::sim::MotionKind::kTable, 36, 10.0, 420.0, 30.0, 0.0};
   Add(cells, "views, all the same picture", "36 identical", table, [](SyntheticSession& s) {
-    for (rig::SyntheticFrame& frame : s.frames) frame.image = s.frames[0].image;
+    for (rig::sim::SyntheticFrame& frame : s.frames) frame.image = s.frames[0].image;
   });
   for (const double radii : {1.0, 10.0, 100.0, 1e4})
     Add(cells, "W's origin away", Format("%g", radii) + " radii", PlainConfig(),
@@ -144,7 +144,7 @@ void AddPictureCells(std::vector<ExtremeCell>& cells) {
     Add(cells, "outliers", Format("%g", 100.0 * share) + " %", PlainConfig(),
         [share](SyntheticSession& s) { SpoilPixels(s, share); });
   SyntheticConfig lump = PlainConfig();
-  lump.target = rig::Blob{40.0, 0.15, 96};
+  lump.target = rig::sim::Blob{40.0, 0.15, 96};
   for (const bool each : {false, true})
     for (const double angle : {0.0, 1.0, 3.0, 10.0})
       Add(cells, each ? "normals wrong, each" : "normals wrong, one tilt",

@@ -7,8 +7,8 @@
 namespace turnlight::studies {
 namespace {
 
-using rig::LightSpec;
-using rig::SyntheticConfig;
+using rig::sim::LightSpec;
+using rig::sim::SyntheticConfig;
 
 using Change = std::function<void(SyntheticConfig&)>;
 
@@ -17,7 +17,7 @@ void Add(std::vector<ExtremeCell>& cells, const std::string& group, const std::s
   cells.push_back({group, setting, [change] {
                      SyntheticConfig config = PlainConfig();
                      change(config);
-                     return rig::SynthesizeInMemory(config);
+                     return rig::sim::SynthesizeInMemory(config);
                    }});
 }
 
@@ -97,7 +97,7 @@ void AddLightCells(std::vector<ExtremeCell>& cells) {
                 light.intensity = std::min(1e6, light.intensity * factor);
               Material(c).ambient *= factor;
               c.sensor = {};
-              c.sensor.depth = rig::SensorDepth::kFloat;
+              c.sensor.depth = rig::sim::SensorDepth::kFloat;
               c.sensor.saturation = 1e9;
             });
 }
@@ -112,12 +112,12 @@ void AddViewCells(std::vector<ExtremeCell>& cells) {
     c.sensor.noise_relative = 0.0;
   });
   Add(cells, "views", "36 that differ by noise only", [](SyntheticConfig& c) {
-    c.motion.kind = rig::MotionKind::kTable;
+    c.motion.kind = rig::sim::MotionKind::kTable;
     c.motion.frames = 36;
     c.motion.step_deg = 10.0;
   });
   Add(cells, "views", "36 identical, no noise", [](SyntheticConfig& c) {
-    c.motion.kind = rig::MotionKind::kTable;
+    c.motion.kind = rig::sim::MotionKind::kTable;
     c.motion.frames = 36;
     c.motion.step_deg = 10.0;
     c.sensor.noise_relative = 0.0;
@@ -157,26 +157,26 @@ void AddSensorCells(std::vector<ExtremeCell>& cells) {
     for (const bool noisy : {false, true})
       Add(cells, "bits", Format("%g", bits) + (noisy ? ", noise 0.2 %" : ", no noise"),
           [bits, noisy](SyntheticConfig& c) {
-            c.sensor.depth = bits == 8 ? rig::SensorDepth::k8 : rig::SensorDepth::k16;
+            c.sensor.depth = bits == 8 ? rig::sim::SensorDepth::k8 : rig::sim::SensorDepth::k16;
             c.sensor.white = std::exp2(bits) - 1.0;
             c.sensor.black = std::exp2(bits - 4.0);
             c.sensor.noise_relative = noisy ? 0.002 : 0.0;
           });
   Add(cells, "bits", "8 sRGB, no noise", [](SyntheticConfig& c) {
-    c.sensor.depth = rig::SensorDepth::k8;
+    c.sensor.depth = rig::sim::SensorDepth::k8;
     c.sensor.encoding = calib::Encoding::kSrgb;
     c.sensor.black = 0.0;
     c.sensor.noise_relative = 0.0;
   });
   Add(cells, "bits", "float, no noise", [](SyntheticConfig& c) {
     c.sensor = {};
-    c.sensor.depth = rig::SensorDepth::kFloat;
+    c.sensor.depth = rig::sim::SensorDepth::kFloat;
   });
 }
 
 }  // namespace
 
-rig::SyntheticConfig PlainConfig() {
+rig::sim::SyntheticConfig PlainConfig() {
   SyntheticConfig config;
   config.motion.frames = 8;
   config.motion.step_deg = 45.0;

@@ -15,7 +15,7 @@ constexpr std::uint64_t kHandStream = std::uint64_t{1} << 51;
 constexpr double kLeastDeg = 10.0;
 constexpr double kMostDeg = 70.0;
 
-estimator::model::InitialGuess GuessByHand(const std::vector<rig::LightSpec>& lights,
+estimator::model::InitialGuess GuessByHand(const std::vector<rig::sim::LightSpec>& lights,
                                            std::uint64_t number) {
   const RandomStream random(number, kHandStream);
   estimator::model::InitialGuess guess;
@@ -36,7 +36,7 @@ Json StartByHand(int scene) {
   const auto config = RandomScene(number);
   if (!config) return Json{{"left_out", config.error().text}};
   estimator::EstimateOptions options;
-  options.initial = GuessByHand(std::get<std::vector<rig::LightSpec>>(config->lights), number);
+  options.initial = GuessByHand(std::get<std::vector<rig::sim::LightSpec>>(config->lights), number);
   return TakeAndScore(*config, options);
 }
 

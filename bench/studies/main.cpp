@@ -96,7 +96,7 @@ int PrintSummary(const Arguments& arguments) {
 int PrintConfig(const Arguments& arguments) {
   const auto config = RandomScene(static_cast<std::uint64_t>(arguments.number));
   if (!config) return Refuse(config.error());
-  std::cout << rig::ToYaml(*config);
+  std::cout << rig::sim::ToYaml(*config);
   return 0;
 }
 

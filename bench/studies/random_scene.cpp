@@ -45,30 +45,30 @@ class Draws {
 
 enum class Kind { kSphere, kBoard, kBlob };
 
-rig::Sensor DrawSensor(Draws& draw) {
-  rig::Sensor sensor;
+rig::sim::Sensor DrawSensor(Draws& draw) {
+  rig::sim::Sensor sensor;
   const double which = draw.Uniform();
-  sensor.depth = which < 0.5 ? rig::SensorDepth::k16 : rig::SensorDepth::k8;
+  sensor.depth = which < 0.5 ? rig::sim::SensorDepth::k16 : rig::sim::SensorDepth::k8;
   if (which >= 0.75) sensor.encoding = calib::Encoding::kSrgb;
-  sensor.black = sensor.depth == rig::SensorDepth::k16 ? 4096.0 : 16.0;
+  sensor.black = sensor.depth == rig::sim::SensorDepth::k16 ? 4096.0 : 16.0;
   const bool clean = draw.Chance(0.25);
   const double noise = draw.Log(0.001, 0.01);
   sensor.noise_relative = clean ? 0.0 : noise;
   return sensor;
 }
 
-rig::SyntheticConfig DrawSetup(std::uint64_t number, Kind& kind) {
+rig::sim::SyntheticConfig DrawSetup(std::uint64_t number, Kind& kind) {
   Draws draw(number, kSetupStream);
   const double which = draw.Uniform();
   kind = which < 0.7 ? Kind::kSphere : which < 0.85 ? Kind::kBoard : Kind::kBlob;
-  rig::SyntheticConfig config;
+  rig::sim::SyntheticConfig config;
   config.seed = number;
   config.name = "random_" + std::to_string(number);
   if (kind == Kind::kBoard) config.target = calib::PlaneShape{160.0, 120.0};
   const double depth = draw.Uniform(0.1, 0.25);
-  if (kind == Kind::kBlob) config.target = rig::Blob{40.0, depth, 96};
+  if (kind == Kind::kBlob) config.target = rig::sim::Blob{40.0, depth, 96};
   const bool orbit = kind == Kind::kSphere;
-  config.motion.kind = orbit ? rig::MotionKind::kOrbit : rig::MotionKind::kTable;
+  config.motion.kind = orbit ? rig::sim::MotionKind::kOrbit : rig::sim::MotionKind::kTable;
   config.motion.frames = orbit ? draw.Integer(6, 20) : draw.Integer(12, 24);
   config.motion.step_deg = 360.0 / config.motion.frames;
   config.motion.elevation_deg =
@@ -79,7 +79,7 @@ rig::SyntheticConfig DrawSetup(std::uint64_t number, Kind& kind) {
   config.camera.width = 200;
   config.camera.height = 150;
   config.camera.focal_px =
-      0.4 * config.camera.height * config.motion.distance / rig::TargetRadius(config.target);
+      0.4 * config.camera.height * config.motion.distance / rig::sim::TargetRadius(config.target);
   config.sensor = DrawSensor(draw);
   config.samples_per_side = 5;
   return config;
@@ -169,18 +169,18 @@ std::optional<estimator::model::Scene> TryScene(std::uint64_t number, int attemp
 
 }  // namespace
 
-Result<rig::SyntheticConfig> RandomScene(std::uint64_t number) {
+Result<rig::sim::SyntheticConfig> RandomScene(std::uint64_t number) {
   Kind kind = Kind::kSphere;
-  rig::SyntheticConfig config = DrawSetup(number, kind);
+  rig::sim::SyntheticConfig config = DrawSetup(number, kind);
   const auto seen = SeenSurface::Build(config);
   if (!seen) return Forward(seen);
   Draws draw(number, kSetupStream - 1);
   const int count = draw.Integer(1, kind == Kind::kBoard ? 3 : 8);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const auto scene =
-        TryScene(number, attempt, kind, count, rig::TargetRadius(config.target), *seen);
+        TryScene(number, attempt, kind, count, rig::sim::TargetRadius(config.target), *seen);
     if (!scene) continue;
-    std::vector<rig::LightSpec> lights;
+    std::vector<rig::sim::LightSpec> lights;
     for (const Light& light : scene->lights)
       lights.push_back({light.direction,
                         light.inverse_distance > 0.0

@@ -30,6 +30,6 @@
 namespace turnlight::studies {
 
 // Fails (kInput) if no lights fit after very many tries; that scene is left out.
-Result<rig::SyntheticConfig> RandomScene(std::uint64_t number);
+Result<rig::sim::SyntheticConfig> RandomScene(std::uint64_t number);
 
 }  // namespace turnlight::studies

@@ -20,14 +20,14 @@ Vector3d Towards(const Light& light, const Vector3d& position) {
 
 }  // namespace
 
-Result<SeenSurface> SeenSurface::Build(const rig::SyntheticConfig& config) {
-  auto studio = rig::BuildStudio(config);
+Result<SeenSurface> SeenSurface::Build(const rig::sim::SyntheticConfig& config) {
+  auto studio = rig::sim::BuildStudio(config);
   if (!studio) return Forward(studio);
   std::vector<estimator::model::Keyframe> keyframes;
   const cv::Size size(config.camera.width, config.camera.height);
   SeenSurface out;
   for (int i = 0; i < config.motion.frames; ++i) {
-    const rig::Placement placement = rig::PlaceAt(config.motion, i * config.motion.step_deg);
+    const calib::RigPoses placement = rig::sim::PlaceAt(config.motion, i * config.motion.step_deg);
     keyframes.push_back({{cv::Mat1f::zeros(size), cv::Mat1b::zeros(size)},
                          cv::Mat1b(size, 255),
                          placement.X_WC,

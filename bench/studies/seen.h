@@ -22,7 +22,7 @@ struct SeenPixel {
 class SeenSurface {
  public:
   // The config's lights and reflectance do not matter.
-  static Result<SeenSurface> Build(const rig::SyntheticConfig& config);
+  static Result<SeenSurface> Build(const rig::sim::SyntheticConfig& config);
 
   const std::vector<SeenPixel>& pixels() const { return pixels_; }
 

@@ -8,15 +8,15 @@
 namespace turnlight::studies {
 namespace {
 
-std::string TargetWord(const rig::SyntheticTarget& target) {
+std::string TargetWord(const rig::sim::SyntheticTarget& target) {
   if (std::holds_alternative<calib::SphereShape>(target)) return "sphere";
   return std::holds_alternative<calib::PlaneShape>(target) ? "board" : "blob";
 }
 
-std::string SensorWord(const rig::Sensor& sensor) {
-  const std::string depth = sensor.depth == rig::SensorDepth::k8    ? "8"
-                            : sensor.depth == rig::SensorDepth::k16 ? "16"
-                                                                    : "float";
+std::string SensorWord(const rig::sim::Sensor& sensor) {
+  const std::string depth = sensor.depth == rig::sim::SensorDepth::k8    ? "8"
+                            : sensor.depth == rig::sim::SensorDepth::k16 ? "16"
+                                                                         : "float";
   return depth + (sensor.encoding == calib::Encoding::kSrgb    ? " sRGB"
                   : sensor.encoding == calib::Encoding::kGamma ? " gamma"
                                                                : " linear");
@@ -24,8 +24,8 @@ std::string SensorWord(const rig::Sensor& sensor) {
 
 // method: what to do with keyframes, geometry and rays.
 template <typename Method>
-Result<Json> EstimateBy(const rig::SyntheticSession& session, const Method& method) {
-  const auto keyframes = rig::ToKeyframes(session);
+Result<Json> EstimateBy(const rig::sim::SyntheticSession& session, const Method& method) {
+  const auto keyframes = rig::sim::ToKeyframes(session);
   const auto start = std::chrono::steady_clock::now();
   const estimator::target::Geometry geometry(session.target);
   const calib::RayGrid rays(session.camera);
@@ -37,25 +37,25 @@ Result<Json> EstimateBy(const rig::SyntheticSession& session, const Method& meth
       output->estimate, "study", estimator::results::Method::kLeastSquares, {0.0, seconds}));
 }
 
-Json ScoreOrFailure(const rig::SyntheticSession& session, const Result<Json>& result) {
+Json ScoreOrFailure(const rig::sim::SyntheticSession& session, const Result<Json>& result) {
   return result ? Score(session.scene, *result) : Json{{"failed", result.error().text}};
 }
 
 }  // namespace
 
-Result<Json> EstimateSynthetic(const rig::SyntheticSession& session,
+Result<Json> EstimateSynthetic(const rig::sim::SyntheticSession& session,
                                const estimator::EstimateOptions& options) {
   return EstimateBy(session, [&](const auto& keyframes, const auto& geometry, const auto& rays) {
     return estimator::EstimateScene(keyframes, geometry, rays, options);
   });
 }
 
-Json EstimateAndScore(const rig::SyntheticSession& session,
+Json EstimateAndScore(const rig::sim::SyntheticSession& session,
                       const estimator::EstimateOptions& options) {
   return ScoreOrFailure(session, EstimateSynthetic(session, options));
 }
 
-Json EstimateAndScoreByPaper(const rig::SyntheticSession& session,
+Json EstimateAndScoreByPaper(const rig::sim::SyntheticSession& session,
                              const estimator::baseline::PaperOptions& options) {
   return ScoreOrFailure(
       session,
@@ -64,8 +64,9 @@ Json EstimateAndScoreByPaper(const rig::SyntheticSession& session,
       }));
 }
 
-Json TakeAndScore(const rig::SyntheticConfig& config, const estimator::EstimateOptions& options) {
-  const auto session = rig::SynthesizeInMemory(config);
+Json TakeAndScore(const rig::sim::SyntheticConfig& config,
+                  const estimator::EstimateOptions& options) {
+  const auto session = rig::sim::SynthesizeInMemory(config);
   if (!session) return Json{{"failed", session.error().text}};
   return Joined(Describe(config), EstimateAndScore(*session, options));
 }
@@ -75,11 +76,11 @@ Json Joined(Json first, const Json& second) {
   return first;
 }
 
-Json Describe(const rig::SyntheticConfig& config) {
+Json Describe(const rig::sim::SyntheticConfig& config) {
   Json json;
   json["seed"] = config.seed;
   json["target"] = TargetWord(config.target);
-  json["motion"] = config.motion.kind == rig::MotionKind::kOrbit ? "orbit" : "table";
+  json["motion"] = config.motion.kind == rig::sim::MotionKind::kOrbit ? "orbit" : "table";
   json["views"] = config.motion.frames;
   json["width"] = config.camera.width;
   json["sensor"] = SensorWord(config.sensor);

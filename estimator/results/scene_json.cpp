@@ -212,17 +212,17 @@ Result<SceneRead> Read(const std::string& text, const std::string& file, Purpose
   return ReadResult(std::move(object), purpose);
 }
 
-nlohmann::ordered_json List(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::ordered_json VectorToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 nlohmann::ordered_json TruthLight(const Light& light) {
   nlohmann::ordered_json json;
-  json["direction"] = List(light.direction);
+  json["direction"] = VectorToJson(light.direction);
   json["position"] = nullptr;
   if (light.inverse_distance > 0.0)
-    json["position"] = List(light.direction / light.inverse_distance);
+    json["position"] = VectorToJson(light.direction / light.inverse_distance);
   json["inverse_distance"] = light.inverse_distance;
   json["intensity"] = light.intensity;
-  if (light.color != Eigen::Vector3d::Ones()) json["color"] = List(light.color);
+  if (light.color != Eigen::Vector3d::Ones()) json["color"] = VectorToJson(light.color);
   return json;
 }
 
@@ -279,7 +279,7 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   const Reflectance& r = scene.reflectance;
   auto& out = json["reflectance"];
   out["model"] = WordOf(r.specular_model);
-  out["albedo"] = List(r.albedo);
+  out["albedo"] = VectorToJson(r.albedo);
   out["ambient"] = r.ambient;
   out["diffuse"] = r.diffuse;
   const bool has_lobe = r.specular_model != SpecularModel::kNone;

@@ -23,7 +23,7 @@ constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of t
 double RobustSigma(const observe::Observations& all, const model::Scene& scene,
                    const solve::EvaluateOptions& options) {
   const auto model = solve::Predict(all, scene, options);
-  const solve::Plane& usable = options.shadows.usable;
+  const solve::PixelMask& usable = options.shadows.usable;
   std::vector<float> residuals;
   residuals.reserve(all.used * static_cast<std::size_t>(all.channels));
   for (int c = 0; c < all.channels; ++c)

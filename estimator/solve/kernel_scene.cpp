@@ -129,7 +129,7 @@ KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& o
   KernelPixels pixels{};
   const std::size_t at = tile * observe::kTile;
   const Shadows& shadows = options.shadows;
-  for (const Plane& plane : shadows.lit) lit.push_back(plane->data() + at);
+  for (const PixelMask& mask : shadows.lit) lit.push_back(mask->data() + at);
   pixels.lit = shadows.lit.empty() ? nullptr : lit.data();
   pixels.usable = shadows.usable ? shadows.usable->data() + at : nullptr;
   for (int k = 0; k < 3; ++k) {

@@ -15,12 +15,12 @@ using Eigen::Vector3d;
 constexpr std::size_t kChunk = 4096;  // observations per unit of parallel work
 constexpr double kEdgeMargin = 1.25;  // half footprints around an attached shadow's edge
 
-struct LightPlanes {
-  Plane lit, blocked;
+struct LightMasks {
+  PixelMask lit, blocked;
 };
 
 // A surface point that faces away from the light is neither lit nor blocked.
-LightPlanes Cast(const observe::Observations& all, const model::Light& light) {
+LightMasks Cast(const observe::Observations& all, const model::Light& light) {
   auto lit = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
   auto blocked = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
   ParallelFor((all.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
@@ -122,9 +122,9 @@ Shadows CastShadows(const observe::Observations& all, const model::Scene& scene,
       out.lit.push_back(previous.lit[at]);
       out.blocked.push_back(previous.blocked[at]);
     } else {
-      LightPlanes planes = Cast(all, light);
-      out.lit.push_back(std::move(planes.lit));
-      out.blocked.push_back(std::move(planes.blocked));
+      LightMasks masks = Cast(all, light);
+      out.lit.push_back(std::move(masks.lit));
+      out.blocked.push_back(std::move(masks.blocked));
     }
   }
   if (!all.subsampled) {
@@ -140,15 +140,17 @@ Shadows CastShadows(const observe::Observations& all, const model::Scene& scene,
   return out;
 }
 
-Plane AwayFromTerminators(const observe::Observations& all, const std::vector<model::Light>& lights,
-                          double margin) {
+PixelMask AwayFromTerminators(const observe::Observations& all,
+                              const std::vector<model::Light>& lights, double margin) {
   auto away = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{1});
   MarkTerminators(all, lights, margin, *away);
   return away;
 }
 
 bool SameShadows(const Shadows& a, const Shadows& b) {
-  const auto same = [](const Plane& x, const Plane& y) { return x == y || (x && y && *x == *y); };
+  const auto same = [](const PixelMask& x, const PixelMask& y) {
+    return x == y || (x && y && *x == *y);
+  };
   return std::equal(a.lit.begin(), a.lit.end(), b.lit.begin(), b.lit.end(), same) &&
          same(a.usable, b.usable);
 }

@@ -14,28 +14,28 @@
 
 namespace turnlight::estimator::solve {
 
-// One byte per observation: 1 or 0.
-using Plane = std::shared_ptr<const std::vector<std::uint8_t>>;
+// A pixel mask: one byte per observation, 1 or 0.
+using PixelMask = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 struct Shadows {
-  std::vector<model::Light> lights;  // what the planes were cast from
+  std::vector<model::Light> lights;  // what the masks were cast from
   // Per light, empty if the target cannot shadow itself. Neither lit nor blocked: faces away.
-  std::vector<Plane> lit;
-  std::vector<Plane> blocked;  // faces the light, but something stands in between
-  Plane usable;                // 0: on a shadow's edge; null: not looked for
-  std::size_t left_out = 0;    // zeros of usable that are not filling
+  std::vector<PixelMask> lit;
+  std::vector<PixelMask> blocked;  // faces the light, but something stands in between
+  PixelMask usable;                // 0: on a shadow's edge; null: not looked for
+  std::size_t left_out = 0;        // zeros of usable that are not filling
 };
 
 // Casts the shadows of a scene (in the observations' coordinates). A light that stands within
-// `tolerance` (radians, and 1/R of inverse distance) of one of `previous` keeps its planes. Edges
+// `tolerance` (radians, and 1/R of inverse distance) of one of `previous` keeps its masks. Edges
 // are not looked for in a subsample: with the many lights of a start they would be everywhere.
 // Deterministic for any number of threads.
 Shadows CastShadows(const observe::Observations& observations, const model::Scene& scene,
                     const Shadows& previous = {}, double tolerance = 0.0);
 
 // Which observations have no attached shadow's edge near: within `margin` half footprints.
-Plane AwayFromTerminators(const observe::Observations& observations,
-                          const std::vector<model::Light>& lights, double margin);
+PixelMask AwayFromTerminators(const observe::Observations& observations,
+                              const std::vector<model::Light>& lights, double margin);
 
 // Whether two casts make the same model of the pictures.
 bool SameShadows(const Shadows& a, const Shadows& b);

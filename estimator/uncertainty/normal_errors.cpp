@@ -61,19 +61,19 @@ Turn BestTurn(const solve::NormalEquations& at, const std::vector<int>& free,
   const Eigen::VectorXd scale = solve::UnitDiagonalScale(hessian.diagonal());
   hessian = scale.asDiagonal() * hessian * scale.asDiagonal();
   hessian.diagonal().array() += 1e-12;  // what the data do not determine does not follow
-  Eigen::MatrixXd mixed(static_cast<Eigen::Index>(free.size()), 3);
+  Eigen::MatrixXd cross_hessian(static_cast<Eigen::Index>(free.size()), 3);
   Eigen::Vector3d slope;
   for (int k = 0; k < 3; ++k) {
-    const Effect& effect = tilts.effects[static_cast<std::size_t>(k)];
-    mixed.col(k) = scale.asDiagonal() * Eigen::VectorXd(effect.mixed(free));
-    slope[k] = effect.slope;
+    const Score& score = tilts.scores[static_cast<std::size_t>(k)];
+    cross_hessian.col(k) = scale.asDiagonal() * Eigen::VectorXd(score.cross_hessian(free));
+    slope[k] = score.slope;
   }
   const Eigen::LDLT<Eigen::MatrixXd> factors(hessian);
-  const Eigen::MatrixXd follow = factors.solve(mixed);
-  slope -= follow.transpose() * (scale.asDiagonal() * Eigen::VectorXd(at.gradient(free)));
+  const Eigen::MatrixXd regression = factors.solve(cross_hessian);
+  slope -= regression.transpose() * (scale.asDiagonal() * Eigen::VectorXd(at.gradient(free)));
   // A little of what the tilts do by themselves, for what cannot be told from other lights.
-  Eigen::Matrix3d curvature = tilts.together - mixed.transpose() * follow;
-  curvature.diagonal() += kDamping * tilts.together.diagonal();
+  Eigen::Matrix3d curvature = tilts.information - cross_hessian.transpose() * regression;
+  curvature.diagonal() += kDamping * tilts.information.diagonal();
   const Eigen::LDLT<Eigen::Matrix3d> tilt_factors(curvature);
   if (!tilt_factors.isPositive()) return {};
   const Eigen::Vector3d by = -tilt_factors.solve(slope);
@@ -84,7 +84,7 @@ Turn BestTurn(const solve::NormalEquations& at, const std::vector<int>& free,
 }  // namespace
 
 TiltResponse TiltNormals(const observe::Observations& pixels, const model::Scene& scene,
-                         const solve::EvaluateOptions& options, const EffectProbe& probe) {
+                         const solve::EvaluateOptions& options, const ScoreProbe& probe) {
   TiltResponse out;
   out.by_any.assign(pixels.size(), 0.0);
   std::array<solve::Prediction, 3> slopes;
@@ -94,17 +94,17 @@ TiltResponse TiltNormals(const observe::Observations& pixels, const model::Scene
     AddTimes(-1.0, solve::Predict(Tilted(pixels, -by), scene, options), slope);
     for (auto& channel : slope)
       for (float& value : channel) value *= static_cast<float>(0.5 / kStep);
-    out.effects[static_cast<std::size_t>(axis)] = probe.Of(slope, 1.0);
+    out.scores[static_cast<std::size_t>(axis)] = probe.Of(slope, 1.0);
     slopes[static_cast<std::size_t>(axis)] = std::move(slope);
   }
-  out.together.setZero();
+  out.information.setZero();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
     for (std::size_t c = 0; c < slopes[0].size(); ++c) {
       const Eigen::Vector3d by(static_cast<double>(slopes[0][c][i]),
                                static_cast<double>(slopes[1][c][i]),
                                static_cast<double>(slopes[2][c][i]));
-      out.together += by * by.transpose();
+      out.information += by * by.transpose();
       out.by_any[i] += by.squaredNorm();
     }
   }
@@ -138,7 +138,7 @@ std::optional<model::Scene> FitTilts(const observe::Observations& pixels,
   for (int round = 0; round < kTiltRounds; ++round) {
     const Turn turn = BestTurn(fit.equations, free,
                                TiltNormals(turned, fit.scene, solve.evaluate,
-                                           EffectProbe(turned, fit.scene, solve.evaluate)));
+                                           ScoreProbe(turned, fit.scene, solve.evaluate)));
     const double angle = turn.by.norm();
     if (!(turn.gain > kLeastGainPerRound * before) || !(angle > 0.0)) break;
     const observe::Observations next = Tilted(turned, turn.by * std::min(1.0, kMostTurn / angle));

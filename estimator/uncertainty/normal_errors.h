@@ -16,16 +16,16 @@ namespace turnlight::estimator::uncertainty {
 struct TiltResponse {
   // By the angle (radians) about each axis: the target's where observations know its poses (what
   // can shadow itself), else W's.
-  std::array<Effect, 3> effects;
+  std::array<Score, 3> scores;
   // Of squares, the angles' Gauss-Newton matrix.
-  Eigen::Matrix3d together = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   // Per pixel the squared change of its radiances by a tilt's angle, over two axes across its
   // normal.
   std::vector<double> by_any;
 };
 
 TiltResponse TiltNormals(const observe::Observations& pixels, const model::Scene& scene,
-                         const solve::EvaluateOptions& options, const EffectProbe& probe);
+                         const solve::EvaluateOptions& options, const ScoreProbe& probe);
 
 // The scene that fits the pixels with the tilt that they ask for, found in turns by Gauss-Newton
 // steps. None if the cost (squares) does not fall by a fifth. solution: of all pixels; options: of

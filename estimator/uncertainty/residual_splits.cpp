@@ -24,7 +24,7 @@ constexpr double kHardlyRough = 1e-3;  // radians
 // The gradient of the observations whose value is below the median over all that are used.
 Eigen::VectorXd GradientOfLower(const observe::Observations& all, const solve::Solution& solution,
                                 const std::function<float(std::size_t)>& value) {
-  const solve::Plane& usable = solution.evaluate.shadows.usable;
+  const solve::PixelMask& usable = solution.evaluate.shadows.usable;
   const auto used = [&](std::size_t i) {
     return all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0);
   };
@@ -45,8 +45,8 @@ Eigen::VectorXd GradientOfLower(const observe::Observations& all, const solve::S
 // Of the observations that are used, those near an attached shadow's edge.
 solve::NormalEquations EdgesAlone(const observe::Observations& all,
                                   const solve::Solution& solution) {
-  const solve::Plane& usable = solution.evaluate.shadows.usable;
-  const solve::Plane away = solve::AwayFromTerminators(all, solution.scene.lights, kNearEdge);
+  const solve::PixelMask& usable = solution.evaluate.shadows.usable;
+  const solve::PixelMask away = solve::AwayFromTerminators(all, solution.scene.lights, kNearEdge);
   auto edges = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{0});
   for (std::size_t i = 0; i < all.size(); ++i)
     (*edges)[i] = (*away)[i] == 0 && (!usable || (*usable)[i] != 0) ? 1 : 0;
@@ -68,7 +68,7 @@ solve::NormalEquations WithAlternatives(const observe::Observations& all,
 // From pixels this far apart in a row: what a sensor's interpolation spreads is nearer, and most
 // patterns reach further.
 double Texture(const observe::Observations& all, const solve::Prediction& model,
-               const solve::Plane& usable) {
+               const solve::PixelMask& usable) {
   constexpr std::size_t kApart = 3;
   constexpr double kSigmas = 4.0;
   constexpr double kLeast = 1e-3;  // less is in any picture: quantisation

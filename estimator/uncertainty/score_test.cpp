@@ -10,8 +10,8 @@ void AddTimes(double factor, const solve::Prediction& what, solve::Prediction& t
       to[c][i] += static_cast<float>(factor) * what[c][i];
 }
 
-EffectProbe::EffectProbe(const observe::Observations& pixels, const model::Scene& scene,
-                         const solve::EvaluateOptions& options)
+ScoreProbe::ScoreProbe(const observe::Observations& pixels, const model::Scene& scene,
+                       const solve::EvaluateOptions& options)
     : pixels_(pixels),
       scene_(scene),
       squares_(options),
@@ -32,8 +32,8 @@ EffectProbe::EffectProbe(const observe::Observations& pixels, const model::Scene
   }
 }
 
-Effect EffectProbe::Of(const solve::Prediction& change, double times) const {
-  Effect out;
+Score ScoreProbe::Of(const solve::Prediction& change, double times) const {
+  Score out;
   observe::Observations other = pixels_;  // whose residuals are larger by the change
   for (std::size_t c = 0; c < model_.size(); ++c)
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
@@ -44,7 +44,7 @@ Effect EffectProbe::Of(const solve::Prediction& change, double times) const {
       out.curvature += weight * by * by;
       other.radiance[c][i] -= static_cast<float>(weight * by);
     }
-  out.mixed = times * (solve::Evaluate(other, scene_, squares_).gradient - gradient_);
+  out.cross_hessian = times * (solve::Evaluate(other, scene_, squares_).gradient - gradient_);
   out.slope *= times;
   out.curvature *= times * times;
   return out;

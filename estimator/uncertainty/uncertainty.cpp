@@ -133,18 +133,19 @@ double LargerEigenvalue(const Eigen::Matrix2d& m) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues().maxCoeff();
 }
 
-Carried CarryOver(const solve::Solution& solution, const observe::Observations& observations,
-                  const std::vector<std::size_t>& order, const solve::Columns& columns,
-                  const Covariance& covariance, const std::optional<model::Scene>& straightened) {
+Propagation Propagate(const solve::Solution& solution, const observe::Observations& observations,
+                      const std::vector<std::size_t>& order, const solve::Columns& columns,
+                      const Covariance& covariance,
+                      const std::optional<model::Scene>& tilted_scene) {
   const Reported at = Report(solution.scene, observations, order);
   const Eigen::VectorXd values = Flatten(at, at);
   const auto n = static_cast<Eigen::Index>(covariance.unknowns.size());
-  Carried out{values,
-              Eigen::MatrixXd::Zero(values.size(), n),
-              std::vector<bool>(static_cast<std::size_t>(values.size()), false),
-              {}};
-  if (straightened)
-    out.straightened = Flatten(Report(*straightened, observations, order), at) - values;
+  Propagation out{values,
+                  Eigen::MatrixXd::Zero(values.size(), n),
+                  std::vector<bool>(static_cast<std::size_t>(values.size()), false),
+                  {}};
+  if (tilted_scene)
+    out.tilt_shift = Flatten(Report(*tilted_scene, observations, order), at) - values;
   for (Eigen::Index i = 0; i < n; ++i) {
     const int column = covariance.unknowns[static_cast<std::size_t>(i)];
     const bool undetermined = covariance.undetermined[static_cast<std::size_t>(i)];
@@ -159,7 +160,7 @@ Carried CarryOver(const solve::Solution& solution, const observe::Observations& 
     if (undetermined)
       for (Eigen::Index q = 0; q < values.size(); ++q)
         if (std::abs(out.jacobian(q, i)) > 1e-6 * std::abs(values[q]))
-          out.unknown[static_cast<std::size_t>(q)] = true;
+          out.undetermined[static_cast<std::size_t>(q)] = true;
   }
   return out;
 }
@@ -208,11 +209,11 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
   const solve::Columns columns{observations.channels,
                                static_cast<int>(solution.scene.lights.size())};
   const Covariance covariance = Invert(solution, observations, columns, views_per_distinct);
-  const Carried carried =
-      CarryOver(solution, observations, order, columns, covariance, splits.unmodelled.straightened);
-  const Parts parts = PartsOf(solution, columns, splits, covariance, carried, views_per_distinct);
-  Uncertainties out{Unflatten(parts.stat + parts.model, carried.unknown, order.size()),
-                    Unflatten(parts.stat, carried.unknown, order.size())};
+  const Propagation reported =
+      Propagate(solution, observations, order, columns, covariance, splits.unmodelled.tilted_scene);
+  const Parts parts = PartsOf(solution, columns, splits, covariance, reported, views_per_distinct);
+  Uncertainties out{Unflatten(parts.stat + parts.model, reported.undetermined, order.size()),
+                    Unflatten(parts.stat, reported.undetermined, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;

@@ -8,25 +8,36 @@
 namespace turnlight::estimator::uncertainty {
 namespace {
 
-// Halves share some of the model's errors, which their difference does not show.
-constexpr double kCommon = 2.0;
-constexpr double kChanceSigmas = 3.0;     // what noise alone may show of one number
-constexpr double kBeyondChance = 4.0;     // of a variance, whatever it was estimated from
+// Tests: what noise alone may show, in sigmas.
+constexpr double kOneNumberSigmas = 3.0;  // of one number
 constexpr double kSearchedSigmas = 4.0;   // of the best of many
-constexpr double kCommonRoughness = 0.5;  // radians
-constexpr double kUndecided = 1e-5;       // of a column's curvature, beside all others
-constexpr double kTold = 0.02;            // of a tilt's curvature, beside everything else
-constexpr double kMostWider = 0.95;       // of a lobe's variance that normals make
-constexpr double kToldApart = 1e-5;       // of another effect's
-constexpr double kExplained = 0.02;       // of the residual variance, by a tilt that counts
-constexpr double kJointSigmas = 4.0;      // what noise may show of all numbers of a split
+constexpr double kAllNumbersSigmas =
+    4.0;  // of all numbers of a split together, about chi squared's mean
+// A variance that is larger by this counts, from however few clusters it was estimated.
+constexpr double kMostChanceInflation = 4.0;
+// Halves share some of the model's errors, which their difference does not show.
+constexpr double kErrorsInCommon = 2.0;
+// The direction of a light that was searched for is one of a few, 14 degrees apart.
+constexpr double kCoarseDirection = 2.0;
+// Shares of a number's curvature that must be left beside the nuisance parameters, or it is not
+// identifiable beside them: of a tilt, of other numbers, and of roughness.
+constexpr double kIdentifiableTilt = 0.02, kIdentifiable = 1e-5, kIdentifiableRoughness = 1e-5;
+constexpr double kLeastExplainedByTilt = 0.02;  // of the cost
+constexpr double kCommonRoughness = 0.5;        // radians
+// Four times the scattered normals' variance: what varies within a pixel, or over many, is not in
+// it.
+constexpr double kScatterMargin = 4.0;
+constexpr double kMostWidening = 0.95;  // of a lobe's variance, by scattered normals
 
-// What makes sigmas of gradients.
-struct Scales {
+// The fit, linearised: what makes changes of the reported quantities of gradients.
+struct Linearised {
   const Covariance& covariance;
-  const Eigen::MatrixXd& jacobian;
-  Eigen::MatrixXd inverse;  // H^-1 of the unknowns
-  double together = 1.0;    // how much larger than white noise the residuals' sums are
+  const Eigen::MatrixXd& jacobian;  // of the reported quantities by the unknowns
+  Eigen::MatrixXd inverse;          // H^-1 of the unknowns
+  // Variance inflation: by how much the sums of residuals vary more than those of white noise.
+  double variance_inflation = 1.0;
+
+  double Variance() const { return covariance.variance * variance_inflation; }
 };
 
 void AddShift(const Eigen::VectorXd& shift, Eigen::MatrixXd& model) {
@@ -34,118 +45,106 @@ void AddShift(const Eigen::VectorXd& shift, Eigen::MatrixXd& model) {
 }
 
 // Half the difference of two halves, as far as it is more than noise.
-void AddHalf(const Eigen::VectorXd& gradient, const Scales& scales, Parts& out) {
+void AddHalf(const Eigen::VectorXd& gradient, const Linearised& fit, Parts& out) {
   const double count = static_cast<double>(gradient.size());
-  const double chi =
-      gradient.dot(scales.inverse * gradient) / (scales.covariance.variance * scales.together);
-  const double expected = count + kJointSigmas * std::sqrt(2.0 * count);
+  const double chi = gradient.dot(fit.inverse * gradient) / (fit.Variance());
+  const double expected = count + kAllNumbersSigmas * std::sqrt(2.0 * count);
   const double all = chi > expected ? 1.0 - expected / chi : 0.0;
-  Eigen::VectorXd shift = scales.jacobian * (scales.inverse * gradient);
+  Eigen::VectorXd shift = fit.jacobian * (fit.inverse * gradient);
   for (Eigen::Index q = 0; q < shift.size(); ++q) {
-    const double noise = kChanceSigmas * kChanceSigmas * out.stat(q, q);
+    const double noise = kOneNumberSigmas * kOneNumberSigmas * out.stat(q, q);
     const double square = shift[q] * shift[q];
-    shift[q] *= kCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
+    shift[q] *=
+        kErrorsInCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
   }
   AddShift(shift, out.model);
 }
 
 // What leaving out the pixels near edges changes, as far as it is more than noise.
 void AddEdges(const solve::NormalEquations& all, const solve::NormalEquations& edges,
-              const Scales& scales, Parts& out) {
-  const std::vector<int>& unknowns = scales.covariance.unknowns;
+              const Linearised& fit, Parts& out) {
+  const std::vector<int>& unknowns = fit.covariance.unknowns;
   const solve::ScaledFactor rest((all.hessian - edges.hessian)(unknowns, unknowns));
   if (!rest.Good()) return;  // without them some things are not determined
-  Eigen::VectorXd shift = scales.jacobian * rest.Solve(edges.gradient(unknowns));
+  Eigen::VectorXd shift = fit.jacobian * rest.Solve(edges.gradient(unknowns));
   for (Eigen::Index q = 0; q < shift.size(); ++q) {
     // Of noise alone the change has the variance of the rest's answer less that of the whole's.
-    const Eigen::VectorXd row = scales.jacobian.row(q);
-    const double of_rest = scales.covariance.variance * scales.together * row.dot(rest.Solve(row));
-    const double noise = kChanceSigmas * kChanceSigmas * std::max(of_rest - out.stat(q, q), 0.0);
+    const Eigen::VectorXd row = fit.jacobian.row(q);
+    const double of_rest = fit.Variance() * row.dot(rest.Solve(row));
+    const double noise =
+        kOneNumberSigmas * kOneNumberSigmas * std::max(of_rest - out.stat(q, q), 0.0);
     const double square = std::max(shift[q] * shift[q], 1e-300);
     shift[q] *= std::sqrt(std::max(1.0 - noise / square, 0.0));
   }
   AddShift(shift, out.model);
 }
 
-// One more parameter that could be free beside the unknowns: the cost's slope and curvature by it
-// when they follow, and how they follow.
-struct Extra {
-  double slope = 0.0, curvature = 0.0;
-  Eigen::VectorXd follow;
-};
-
-// How far the data ask for it: its step over that step's sigma, squared.
-double Significance(const Extra& extra, const Scales& scales) {
-  return extra.slope * extra.slope / extra.curvature /
-         (scales.covariance.variance * scales.together);
-}
-
-// What the unknowns would change by if it were free, as far as that is more than noise.
-void AddExtra(const Extra& extra, const Scales& scales, Parts& out) {
-  const double noise = kChanceSigmas * kChanceSigmas;
-  const double significance = Significance(extra, scales);
-  if (significance <= noise) return;
-  AddShift(std::sqrt(1.0 - noise / significance) * extra.slope / extra.curvature *
-               (scales.jacobian * extra.follow),
+// What the unknowns would change by if the tested number were free, as far as that is more than
+// noise.
+void AddIfSignificant(const AdjustedScore& score, const Linearised& fit, Parts& out) {
+  const double noise = kOneNumberSigmas * kOneNumberSigmas;
+  const double statistic = score.Statistic(fit.Variance());
+  if (statistic <= noise) return;
+  AddShift(std::sqrt(1.0 - noise / statistic) * score.slope / score.curvature *
+               (fit.jacobian * score.regression),
            out.model);
 }
 
-// The same of what was searched for, and cannot be negative: all of it, if it is there, times
-// `coarse`.
-void AddSearched(const Extra& extra, double coarse, const Scales& scales, Parts& out) {
-  if (extra.slope < 0.0 && Significance(extra, scales) > kSearchedSigmas * kSearchedSigmas)
-    AddShift(coarse * extra.slope / extra.curvature * (scales.jacobian * extra.follow), out.model);
+// The same of a number that was searched for, and cannot be negative: all of it, if it is there,
+// times `margin`.
+void AddSearched(const AdjustedScore& score, double margin, const Linearised& fit, Parts& out) {
+  if (score.slope < 0.0 && score.Statistic(fit.Variance()) > kSearchedSigmas * kSearchedSigmas)
+    AddShift(margin * score.slope / score.curvature * (fit.jacobian * score.regression), out.model);
 }
 
 // What letting in what the pictures ask for would change.
-void AddUnmodelled(const Unmodelled& unmodelled, const Scales& scales, Parts& out) {
-  const std::vector<int>& unknowns = scales.covariance.unknowns;
-  const solve::ScaledFactor sample(unmodelled.as_modelled.hessian(unknowns, unknowns));
-  if (!sample.Good()) return;
+void AddUnmodelled(const Unmodelled& unmodelled, const Linearised& fit, Parts& out) {
+  const std::vector<int>& unknowns = fit.covariance.unknowns;
+  const solve::ScaledFactor information(unmodelled.as_modelled.hessian(unknowns, unknowns));
+  if (!information.Good()) return;
   const Eigen::VectorXd own = unmodelled.as_modelled.gradient(unknowns);
-  // Nothing if the unknowns can follow it anyway: then it is not told apart from them.
-  const auto beside = [&](const Effect& effect, double told) -> std::optional<Extra> {
-    const Eigen::VectorXd mixed = effect.mixed(unknowns);
-    Extra extra;
-    extra.follow = sample.Solve(mixed);
-    extra.curvature = effect.curvature - mixed.dot(extra.follow);
-    extra.slope = effect.slope - extra.follow.dot(own);
-    if (!(extra.curvature > told * effect.curvature)) return std::nullopt;
-    return extra;
+  // None if the nuisance parameters take nearly all of it up: then it is not identifiable.
+  const auto adjusted = [&](const Score& score, double least) -> std::optional<AdjustedScore> {
+    const Eigen::VectorXd cross_hessian = score.cross_hessian(unknowns);
+    AdjustedScore out;
+    out.regression = information.Solve(cross_hessian);
+    out.curvature = score.curvature - cross_hessian.dot(out.regression);
+    out.slope = score.slope - out.regression.dot(own);
+    if (!(out.curvature > least * score.curvature)) return std::nullopt;
+    return out;
   };
-  for (const Effect& tilt : unmodelled.tilts) {
-    if (unmodelled.straightened) break;  // known better
-    const auto extra = beside(tilt, kTold);
-    if (extra && 0.5 * extra->slope * extra->slope / extra->curvature >=
-                     kExplained * unmodelled.as_modelled.cost)
-      AddExtra(*extra, scales, out);
+  for (const Score& tilt : unmodelled.tilts) {
+    if (unmodelled.tilted_scene) break;  // known better
+    const auto score = adjusted(tilt, kIdentifiableTilt);
+    if (score && 0.5 * score->slope * score->slope / score->curvature >=
+                     kLeastExplainedByTilt * unmodelled.as_modelled.cost)
+      AddIfSignificant(*score, fit, out);
   }
-  if (const auto extra = beside(unmodelled.aperture, kToldApart)) AddExtra(*extra, scales, out);
-  for (const Effect& extent : unmodelled.extents)
-    if (const auto extra = beside(extent, kToldApart)) AddSearched(*extra, 1.0, scales, out);
-  AddShift(scales.jacobian * sample.Solve(unmodelled.falloff(unknowns)), out.model);
+  if (const auto score = adjusted(unmodelled.aperture, kIdentifiable))
+    AddIfSignificant(*score, fit, out);
+  for (const Score& extent : unmodelled.extents)
+    if (const auto score = adjusted(extent, kIdentifiable)) AddSearched(*score, 1.0, fit, out);
+  AddShift(fit.jacobian * information.Solve(unmodelled.falloff(unknowns)), out.model);
   if (!unmodelled.light) return;
-  // Its direction is one of a few, 14 degrees apart.
-  if (const auto extra = beside(*unmodelled.light, kToldApart))
-    AddSearched(*extra, kCommon, scales, out);
+  if (const auto score = adjusted(*unmodelled.light, kIdentifiable))
+    AddSearched(*score, kCoarseDirection, fit, out);
 }
 
 // Normals that are wrong each by itself widen the highlight as a rougher material would: the
 // mirrored ray turns twice as much as the normal, Blinn-Phong's half vector as much.
 void AddScatter(double normal_variance, const model::Reflectance& reflectance,
-                const solve::Columns& columns, const Scales& scales, Parts& out) {
+                const solve::Columns& columns, const Linearised& fit, Parts& out) {
   const double lobe = reflectance.specular_model == model::SpecularModel::kPhong ? 4.0 : 1.0;
-  // Four times: what varies within a pixel, or over many, is not in their variance.
-  const double wider =
-      -std::log1p(-std::min(4.0 * lobe * normal_variance * reflectance.shininess, kMostWider));
-  const std::vector<int>& unknowns = scales.covariance.unknowns;
+  const double widening = -std::log1p(
+      -std::min(kScatterMargin * lobe * normal_variance * reflectance.shininess, kMostWidening));
+  const std::vector<int>& unknowns = fit.covariance.unknowns;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns.size()));
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    if (unknowns[i] == columns.LogShininess()) step[static_cast<Eigen::Index>(i)] = wider;
+    if (unknowns[i] == columns.LogShininess()) step[static_cast<Eigen::Index>(i)] = widening;
     if (unknowns[i] == columns.Specular())
-      step[static_cast<Eigen::Index>(i)] = wider * reflectance.specular;
+      step[static_cast<Eigen::Index>(i)] = widening * reflectance.specular;
   }
-  AddShift(scales.jacobian * step, out.model);
+  AddShift(fit.jacobian * step, out.model);
 }
 
 // Diffuse and ambient light are those of the mean albedo; where that is not uniform, a point's own
@@ -160,44 +159,46 @@ void AddTexture(double texture, const Eigen::VectorXd& values, Parts& out) {
   AddShift(shift, out.model);
 }
 
-// A column that was held at its lower bound of 0.
-Extra ExtraColumn(const solve::NormalEquations& equations, int column, const Scales& scales) {
-  const std::vector<int>& unknowns = scales.covariance.unknowns;
-  const Eigen::VectorXd mixed = equations.hessian(unknowns, column);
-  Extra extra;
-  extra.follow = scales.inverse * mixed;
-  extra.curvature = std::max(equations.hessian(column, column) - mixed.dot(extra.follow),
-                             1e-9 * equations.hessian(column, column));
-  extra.slope = equations.gradient[column] - extra.follow.dot(equations.gradient(unknowns));
-  return extra;
+// Of a column that was held at its lower bound of 0.
+AdjustedScore ScoreOfColumn(const solve::NormalEquations& equations, int column,
+                            const Linearised& fit) {
+  const std::vector<int>& unknowns = fit.covariance.unknowns;
+  const Eigen::VectorXd cross_hessian = equations.hessian(unknowns, column);
+  AdjustedScore score;
+  score.regression = fit.inverse * cross_hessian;
+  score.curvature =
+      std::max(equations.hessian(column, column) - cross_hessian.dot(score.regression),
+               1e-9 * equations.hessian(column, column));
+  score.slope = equations.gradient[column] - score.regression.dot(equations.gradient(unknowns));
+  return score;
 }
 
 // Lambert was taken. Where the data cannot tell, as on a board under one light, a surface as rough
 // as is common is as good, and what it would change belongs to the error.
 void AddRoughness(const solve::NormalEquations& equations, const solve::Columns& columns,
-                  const Scales& scales, Parts& out) {
-  const Extra extra = ExtraColumn(equations, columns.RoughnessSquared(), scales);
-  if (!(extra.curvature > 0.0)) return;  // nothing diffuse
-  const double alone = equations.hessian(columns.RoughnessSquared(), columns.RoughnessSquared());
-  if (extra.curvature < kUndecided * alone) {
-    AddShift(kCommonRoughness * kCommonRoughness * (scales.jacobian * extra.follow), out.model);
+                  const Linearised& fit, Parts& out) {
+  const int column = columns.RoughnessSquared();
+  const AdjustedScore score = ScoreOfColumn(equations, column, fit);
+  if (!(score.curvature > 0.0)) return;  // nothing diffuse
+  if (score.curvature < kIdentifiableRoughness * equations.hessian(column, column)) {
+    AddShift(kCommonRoughness * kCommonRoughness * (fit.jacobian * score.regression), out.model);
     out.weak.emplace_back("diffuse against roughness: Lambert was taken");
-  } else if (extra.slope < 0.0) {
-    AddExtra(extra, scales, out);
+  } else if (score.slope < 0.0) {
+    AddIfSignificant(score, fit, out);
   }
 }
 
 // What was left out of the model. A positive slope would want to go below the bound.
 void AddAlternatives(const solve::NormalEquations& equations, const solve::Columns& columns,
-                     const model::Reflectance& reflectance, const Scales& scales, Parts& out) {
+                     const model::Reflectance& reflectance, const Linearised& fit, Parts& out) {
   if (reflectance.diffuse_model == model::DiffuseModel::kLambert)
-    AddRoughness(equations, columns, scales, out);
-  const std::vector<int>& unknowns = scales.covariance.unknowns;
+    AddRoughness(equations, columns, fit, out);
+  const std::vector<int>& unknowns = fit.covariance.unknowns;
   for (int l = 0; l < columns.lights; ++l) {
     const int column = columns.InverseDistance(l);
     if (std::find(unknowns.begin(), unknowns.end(), column) != unknowns.end()) continue;
-    const Extra extra = ExtraColumn(equations, column, scales);
-    if (extra.curvature > 0.0 && extra.slope < 0.0) AddExtra(extra, scales, out);
+    const AdjustedScore score = ScoreOfColumn(equations, column, fit);
+    if (score.curvature > 0.0 && score.slope < 0.0) AddIfSignificant(score, fit, out);
   }
 }
 
@@ -205,8 +206,8 @@ void AddAlternatives(const solve::NormalEquations& equations, const solve::Colum
 // clustered ("sandwich") estimate from the gradients of clusters, one in each column. Its own
 // variance, if the gradients are normal, is two thirds of the sum of their fourth powers, which for
 // a small highlight is that of the few clusters that see it.
-void AllowForClusters(const Eigen::MatrixXd& gradients, const Scales& scales, Parts& out) {
-  const Eigen::MatrixXd carried = scales.jacobian * scales.inverse;
+void AllowForClusters(const Eigen::MatrixXd& gradients, const Linearised& fit, Parts& out) {
+  const Eigen::MatrixXd carried = fit.jacobian * fit.inverse;
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(carried.rows()), fourths = squares;
   for (Eigen::Index k = 0; k < gradients.cols(); ++k) {
     const Eigen::ArrayXd square = (carried * gradients.col(k)).array().square();
@@ -215,7 +216,7 @@ void AllowForClusters(const Eigen::MatrixXd& gradients, const Scales& scales, Pa
   }
   const Eigen::ArrayXd stat = out.stat.diagonal().array().max(1e-300);
   const Eigen::ArrayXd chance =
-      (stat + kChanceSigmas * (2.0 / 3.0 * fourths).sqrt()).min(kBeyondChance * stat);
+      (stat + kOneNumberSigmas * (2.0 / 3.0 * fourths).sqrt()).min(kMostChanceInflation * stat);
   const Eigen::VectorXd more = (squares > chance).select((squares / stat).sqrt(), 1.0).matrix();
   out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
 }
@@ -223,15 +224,15 @@ void AllowForClusters(const Eigen::MatrixXd& gradients, const Scales& scales, Pa
 }  // namespace
 
 Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
-              const ResidualSplits& splits, const Covariance& covariance, const Carried& carried,
-              double views_per_distinct) {
-  const Eigen::MatrixXd& jacobian = carried.jacobian;
+              const ResidualSplits& splits, const Covariance& covariance,
+              const Propagation& reported, double views_per_distinct) {
+  const Eigen::MatrixXd& jacobian = reported.jacobian;
   Parts out;
   out.stat = jacobian * covariance.matrix * jacobian.transpose();
   out.model = Eigen::MatrixXd::Zero(out.stat.rows(), out.stat.cols());
   const std::vector<int>& unknowns = covariance.unknowns;
   if (unknowns.empty() || !(covariance.variance > 0.0)) return out;
-  Scales scales{covariance, jacobian, covariance.matrix / covariance.variance};
+  Linearised fit{covariance, jacobian, covariance.matrix / covariance.variance};
   // As many as they are, they have one mean less to vary about.
   const auto corrected = [&](const Eigen::MatrixXd& gradients) {
     const double count = static_cast<double>(gradients.cols());
@@ -239,25 +240,24 @@ Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
                            std::sqrt(count / std::max(count - 1.0, 1.0)));
   };
   const Eigen::MatrixXd clusters = std::sqrt(views_per_distinct) * corrected(splits.clusters);
-  AllowForClusters(clusters, scales, out);
+  AllowForClusters(clusters, fit, out);
   // Views that repeat are together in a place already.
-  if (splits.places.cols() > 0) AllowForClusters(corrected(splits.places), scales, out);
+  if (splits.places.cols() > 0) AllowForClusters(corrected(splits.places), fit, out);
   const double count = static_cast<double>(unknowns.size());
-  scales.together =
-      std::max((clusters.transpose() * scales.inverse).cwiseProduct(clusters.transpose()).sum() /
+  fit.variance_inflation =
+      std::max((clusters.transpose() * fit.inverse).cwiseProduct(clusters.transpose()).sum() /
                    (count * covariance.variance),
                1.0);
 
   const Eigen::VectorXd whole = solution.equations.gradient(unknowns);
-  for (const Eigen::VectorXd& half : splits.halves)
-    AddHalf(2.0 * half(unknowns) - whole, scales, out);
-  AddEdges(solution.equations, splits.edges, scales, out);
-  AddShift(jacobian * (scales.inverse * splits.finer(unknowns)), out.model);
-  AddUnmodelled(splits.unmodelled, scales, out);
-  AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, columns, scales, out);
-  AddTexture(splits.texture, carried.values, out);
-  if (carried.straightened.size() > 0) AddShift(carried.straightened, out.model);
-  AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, scales, out);
+  for (const Eigen::VectorXd& half : splits.halves) AddHalf(2.0 * half(unknowns) - whole, fit, out);
+  AddEdges(solution.equations, splits.edges, fit, out);
+  AddShift(jacobian * (fit.inverse * splits.finer(unknowns)), out.model);
+  AddUnmodelled(splits.unmodelled, fit, out);
+  AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, columns, fit, out);
+  AddTexture(splits.texture, reported.values, out);
+  if (reported.tilt_shift.size() > 0) AddShift(reported.tilt_shift, out.model);
+  AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, fit, out);
   return out;
 }
 

@@ -12,11 +12,12 @@
 
 namespace turnlight::estimator::uncertainty {
 
-// Inverse of the information matrix over the unknowns; columns that are not determined are NaN.
+// The inverse of the information matrix over the unknowns, without the directions in which it is
+// singular.
 struct Covariance {
-  std::vector<int> unknowns;
-  Eigen::MatrixXd matrix;
-  std::vector<bool> undetermined;
+  std::vector<int> unknowns;       // columns that are not held
+  Eigen::MatrixXd matrix;          // over the unknowns
+  std::vector<bool> undetermined;  // per unknown: it has a part in a singular direction
   double condition = 0.0;
   std::vector<std::string> weak;
   double variance = 0.0;  // of a value; matrix is this times H^-1
@@ -28,12 +29,12 @@ struct Covariance {
 // ambient product (3).
 inline constexpr Eigen::Index kPerLight = 13, kShared = 11, kDiffuseProduct = 4;
 
-// Derivatives of the reported quantities by the unknowns, and which depend on what is undetermined.
-struct Carried {
+// Propagation of errors: derivatives of the reported quantities by the unknowns.
+struct Propagation {
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
-  std::vector<bool> unknown;
-  Eigen::VectorXd straightened;  // what a large tilt of the normals changes; empty: there is none
+  std::vector<bool> undetermined;  // per quantity: it depends on an undetermined unknown
+  Eigen::VectorXd tilt_shift;      // what a large tilt of the normals changes; empty: there is none
 };
 
 // Covariances of the reported quantities.
@@ -43,7 +44,7 @@ struct Parts {
 };
 
 Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
-              const ResidualSplits& splits, const Covariance& covariance, const Carried& carried,
-              double views_per_distinct);
+              const ResidualSplits& splits, const Covariance& covariance,
+              const Propagation& reported, double views_per_distinct);
 
 }  // namespace turnlight::estimator::uncertainty

@@ -19,12 +19,12 @@ namespace {
 constexpr std::size_t kPixels = 50000;
 constexpr std::size_t kSearchPixels = 10000;
 constexpr double kApertureStep = 0.05;
-constexpr double kNearEdge = 2.0;     // half footprints
-constexpr double kExtentStep = 0.08;  // of the lobe's half-width
-constexpr double kWidestStep = 0.05;  // radians
+constexpr double kNearTerminator = 2.0;  // half footprints
+constexpr double kExtentStep = 0.08;     // of the lobe's half-width
+constexpr double kWidestStep = 0.05;     // radians
 
 void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
-                const solve::EvaluateOptions& options, const EffectProbe& probe, Unmodelled& out) {
+                const solve::EvaluateOptions& options, const ScoreProbe& probe, Unmodelled& out) {
   const double lobe = scene.reflectance.specular_model == model::SpecularModel::kNone
                           ? kWidestStep
                           : kExtentStep * model::LobeHalfWidth(scene.reflectance.shininess);
@@ -45,8 +45,8 @@ void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
         split.lights[half].intensity *= 0.5;
       }
       solve::EvaluateOptions both = options;
-      for (auto* planes : {&both.shadows.lit, &both.shadows.blocked})
-        if (!planes->empty()) planes->push_back(solve::Plane((*planes)[l]));
+      for (auto* masks : {&both.shadows.lit, &both.shadows.blocked})
+        if (!masks->empty()) masks->push_back(solve::PixelMask((*masks)[l]));
       solve::Prediction change = solve::Predict(pixels, split, both);
       AddTimes(-1.0, probe.model(), change);
       out.extents.push_back(probe.Of(change, 1.0 / (step * step)));
@@ -55,7 +55,7 @@ void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
 }
 
 void AddLight(const observe::Observations& pixels, const model::Scene& scene,
-              solve::EvaluateOptions options, const EffectProbe& probe, Unmodelled& out) {
+              solve::EvaluateOptions options, const ScoreProbe& probe, Unmodelled& out) {
   const auto light =
       solve::MostMissingLight(observe::EvenSubsample(pixels, kSearchPixels, 4, nullptr), scene);
   if (!light) return;
@@ -106,7 +106,7 @@ observe::Observations Sunk(const observe::Observations& all) {
 Eigen::VectorXd AveragedFalloff(const observe::Observations& pixels, const model::Scene& scene,
                                 solve::EvaluateOptions options) {
   // An edge of a shadow is another matter.
-  options.shadows.usable = solve::AwayFromTerminators(pixels, scene.lights, kNearEdge);
+  options.shadows.usable = solve::AwayFromTerminators(pixels, scene.lights, kNearTerminator);
   model::Scene diffuse = scene;
   diffuse.reflectance.specular_model = model::SpecularModel::kNone;
   diffuse.reflectance.specular = 0.0;
@@ -119,7 +119,7 @@ Eigen::VectorXd AveragedFalloff(const observe::Observations& pixels, const model
   for (const std::size_t first : {0u, 3u})
     for (const double side : {h, -h}) AddTimes(0.5, predict(Shifted(pixels, first, side)), change);
   AddTimes(-3.0, predict(pixels), change);
-  return EffectProbe(pixels, scene, options).Of(change, 1.0).mixed;
+  return ScoreProbe(pixels, scene, options).Of(change, 1.0).cross_hessian;
 }
 
 }  // namespace
@@ -136,11 +136,11 @@ Unmodelled TryUnmodelled(const observe::Observations& observations,
   options.shadows = solve::CastShadows(sample, scene);
   Unmodelled out;
   out.as_modelled = solve::Evaluate(sample, scene, options);
-  const EffectProbe probe(sample, scene, options);
+  const ScoreProbe probe(sample, scene, options);
   const TiltResponse tilts = TiltNormals(sample, scene, options, probe);
-  out.tilts = tilts.effects;
+  out.tilts = tilts.scores;
   out.normal_variance = NormalVariance(sample, probe.model(), tilts.by_any);
-  out.straightened = FitTilts(sample, solution, options, out.as_modelled, tilts);
+  out.tilted_scene = FitTilts(sample, solution, options, out.as_modelled, tilts);
   out.falloff = AveragedFalloff(sample, scene, options);
   solve::EvaluateOptions wider = options, narrower = options;
   wider.aperture *= 1.0 + kApertureStep;

@@ -15,17 +15,17 @@ namespace turnlight::estimator::uncertainty {
 
 struct Unmodelled {
   solve::NormalEquations as_modelled;  // of the same pixels
-  std::array<Effect, 3> tilts;         // of all normals, together
+  std::array<Score, 3> tilts;          // of all normals, together
   // The scene as it is with the tilt that the pictures ask for, if that explains much of the
   // residual: then it is too large for derivatives.
-  std::optional<model::Scene> straightened;
-  Effect aperture;  // of the pixels, as a share of EvaluateOptions::aperture
+  std::optional<model::Scene> tilted_scene;
+  Score aperture;  // of the pixels, as a share of EvaluateOptions::aperture
   // Three for each light: it is no point, or two lights are taken for one. Its variance (radians^2)
   // along an axis across its direction; at least 0.
-  std::vector<Effect> extents;
+  std::vector<Score> extents;
   // The intensity, at least 0, of one more light: of those of many directions the one that would
   // lower the cost the most. None if none would.
-  std::optional<Effect> light;
+  std::optional<Score> light;
   // By how much the gradient changes when a near light's falloff and the shading with it are
   // averaged over the pixels instead of taken at their centres.
   Eigen::VectorXd falloff;

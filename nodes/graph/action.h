@@ -13,7 +13,7 @@
 
 #include "nodes/graph/node.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 using GoalId = std::uint64_t;  // 1, 2, 3, ... for each client
 
@@ -233,4 +233,4 @@ struct Wire<ActionResult<T>> {
   }
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/sha256.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using nlohmann::json;
@@ -162,4 +162,4 @@ Result<GraphConfig> LoadGraphConfig(const std::filesystem::path& path) {
   return ParseGraphConfig(*text, path.string());
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

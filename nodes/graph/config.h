@@ -27,7 +27,7 @@
 #include "nodes/graph/queue.h"
 #include "nodes/graph/time.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 enum class ExecutorKind { kVirtual, kWall };
 
@@ -74,4 +74,4 @@ Result<GraphConfig> ReadGraphConfig(std::shared_ptr<const Document> document, St
 Result<GraphConfig> ParseGraphConfig(const std::string& yaml, std::string file);
 Result<GraphConfig> LoadGraphConfig(const std::filesystem::path& path);
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -7,7 +7,7 @@
 #include "base/format.h"
 #include "base/nearest.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 // Deep enough for a burst, and never blocking: only one goal is outstanding at a time.
@@ -326,4 +326,4 @@ class Wiring {
 
 Status Connect(GraphParts& parts) { return Wiring(parts).Run(); }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -4,9 +4,9 @@
 #include "base/result.h"
 #include "nodes/graph/graph.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 // Fills parts.connections, the ports' lists of them, and parts.recorded.
 Status Connect(GraphParts& parts);
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

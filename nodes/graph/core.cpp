@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 const char* CodeOf(ErrorKind kind) {
@@ -121,4 +121,4 @@ Fault FaultOfException(const NodeCore& node, std::string_view what, std::string_
   return {node.name, "exception", CallName(what, port) + " threw: " + text, false};
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

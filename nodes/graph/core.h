@@ -18,7 +18,7 @@
 #include "nodes/graph/queue.h"
 #include "nodes/graph/time.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 class Node;
 struct Connection;
@@ -185,4 +185,4 @@ std::optional<Fault> Guarded(const NodeCore& node, std::string_view what, std::s
   }
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstring>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 constexpr std::uint32_t kPolynomial = 0x82F63B78u;  // reflected
@@ -42,4 +42,4 @@ std::uint32_t Crc32c(std::string_view bytes, std::uint32_t before) {
   return ~crc;
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

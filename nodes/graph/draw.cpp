@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 std::string ShowPolicy(const Policy& policy) {
@@ -143,4 +143,4 @@ std::string DrawDot(const GraphParts& parts) {
   return text + "}\n";
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

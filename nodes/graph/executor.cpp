@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 namespace {
 constexpr std::size_t kMaxFaults = 1000;
@@ -44,4 +44,4 @@ ConnectionReport ReportOf(const Connection& connection) {
           connection.dropped,      connection.blocked,    connection.discarded};
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -9,7 +9,7 @@
 #include "nodes/graph/graph.h"
 #include "nodes/graph/log.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 // What a replay publishes in the place of the sources.
 struct ReplayPlan {
@@ -56,4 +56,4 @@ RunEnd RunVirtual(GraphParts& parts, const RunOptions& options, const LogWriter*
 RunEnd RunWall(std::shared_ptr<GraphParts> parts, const RunOptions& options,
                std::shared_ptr<const LogWriter> log);
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -5,7 +5,7 @@
 
 #include "nodes/graph/wire.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 struct Fault {
   std::string node;
@@ -39,4 +39,4 @@ struct Wire<Fault> {
   }
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -10,7 +10,7 @@
 #include "nodes/graph/log.h"
 #include "nodes/graph/replay.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 Result<std::unique_ptr<Node>> MakeNode(const NodeConfig& config, const NodeRegistry& registry) {
@@ -141,4 +141,4 @@ Result<OutputPort*> Graph::FindOutput(const std::string& topic) const {
                     DidYouMean(topic, topics));
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

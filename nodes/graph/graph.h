@@ -17,7 +17,7 @@
 #include "nodes/graph/core.h"
 #include "nodes/graph/registry.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 // What a built graph consists of; shared with the executor that runs it.
 struct GraphParts {
@@ -135,4 +135,4 @@ class Graph {
   std::shared_ptr<GraphParts> parts_;
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -25,7 +25,7 @@
 #include "base/result.h"
 #include "nodes/graph/core.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 struct LogTopic {
   std::string topic;  // NODE.PORT
@@ -151,4 +151,4 @@ Result<std::optional<LogDifference>> CompareLogs(const std::filesystem::path& fi
                                                  const std::filesystem::path& second,
                                                  CompareMode mode);
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -3,7 +3,7 @@
 
 #include "nodes/graph/log.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 std::string ShowRecord(const LogReader& log, const LogRecord& record) {
@@ -138,4 +138,4 @@ Result<std::optional<LogDifference>> CompareLogs(const std::filesystem::path& fi
   return CompareExact(*a, *b);
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace turnlight::graph::log_format {
+namespace turnlight::nodes::graph::log_format {
 
 using namespace std::string_view_literals;
 
@@ -18,4 +18,4 @@ inline constexpr std::uint32_t kMaxBody = 0x7FFFFFFF;
 inline constexpr std::uint32_t kMaxHeader = 1 << 24;
 inline constexpr std::uint16_t kEndTopic = 65535;
 
-}  // namespace turnlight::graph::log_format
+}  // namespace turnlight::nodes::graph::log_format

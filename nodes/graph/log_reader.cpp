@@ -7,7 +7,7 @@
 #include "nodes/graph/log.h"
 #include "nodes/graph/log_format.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 std::uint32_t U32At(const std::string& bytes, std::size_t at) {
@@ -152,4 +152,4 @@ Result<LogRecord> LogReader::ReadAt(std::uint64_t offset) {
   return RecordOf(body, offset);
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

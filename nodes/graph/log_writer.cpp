@@ -9,7 +9,7 @@
 #include "nodes/graph/log.h"
 #include "nodes/graph/log_format.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 // The name is durable only when the folder is.
@@ -130,4 +130,4 @@ void LogWriter::Fail(std::string text) {
   failed_.store(true, std::memory_order_relaxed);
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -2,7 +2,7 @@
 
 #include <exception>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 Result<std::shared_ptr<const void>> DecodeMessage(const MessageType& type, std::string_view bytes) {
   WireReader in(bytes);
@@ -18,4 +18,4 @@ Result<std::shared_ptr<const void>> DecodeMessage(const MessageType& type, std::
   return InputError("not a " + ShowType(type) + ": " + problem);
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

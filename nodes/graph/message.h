@@ -11,7 +11,7 @@
 #include "nodes/graph/time.h"
 #include "nodes/graph/wire.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 struct Header {
   std::uint64_t sequence = 0;  // 0, 1, 2, ... on each output port
@@ -78,4 +78,4 @@ inline std::string ShowType(const MessageType& type) {
 // Fails (kInput) if the bytes are not exactly one value of the type.
 Result<std::shared_ptr<const void>> DecodeMessage(const MessageType& type, std::string_view bytes);
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -32,7 +32,7 @@
 #include "base/strict_object.h"
 #include "nodes/graph/core.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 enum class Latch { kNo, kYes };  // kYes: who comes late gets the last message
 enum class Need { kRequired, kOptional };
@@ -193,4 +193,4 @@ inline void Timer::Every(Duration period) {
   port_.due = port_.node.runtime->Now() + port_.period;
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

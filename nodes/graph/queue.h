@@ -7,7 +7,7 @@
 
 #include "nodes/graph/message.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 // What happens to a message that meets a full queue.
 struct Policy {
@@ -74,4 +74,4 @@ class MessageQueue {
   std::size_t size_ = 0;
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

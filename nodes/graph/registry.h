@@ -14,7 +14,7 @@
 
 #include "nodes/graph/node.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 class NodeRegistry {
  public:
@@ -42,4 +42,4 @@ class NodeRegistry {
   std::map<std::string, Factory> factories_;
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -1,6 +1,6 @@
 #include "nodes/graph/replay.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 bool LeadsToRunningNode(const OutputPort& port) {
@@ -59,4 +59,4 @@ Result<ReplayPlan> PlanReplay(GraphParts& parts, LogReader& reader, const std::s
   return plan;
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

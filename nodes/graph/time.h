@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 using Duration = std::chrono::nanoseconds;
 using Time = std::chrono::nanoseconds;
@@ -18,4 +18,4 @@ inline Duration FromMs(double ms) {
 }
 inline double ToMs(Duration duration) { return static_cast<double>(duration.count()) * 1e-6; }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -12,7 +12,7 @@
 
 #include "nodes/graph/executor.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 constexpr Duration kTick(1);
@@ -381,4 +381,4 @@ RunEnd RunVirtual(GraphParts& parts, const RunOptions& options, const LogWriter*
   return VirtualExecutor(parts, options, log, replay).Run();
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -5,7 +5,7 @@
 
 #include "base/format.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using namespace std::chrono_literals;
@@ -180,4 +180,4 @@ RunEnd RunWall(std::shared_ptr<GraphParts> parts, const RunOptions& options,
       std::make_shared<WallExecutor>(std::move(parts), options, std::move(log)));
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

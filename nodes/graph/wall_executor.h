@@ -21,7 +21,7 @@
 #include "base/utc.h"
 #include "nodes/graph/executor.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 class WallExecutor final : public Runtime {
  public:
@@ -132,4 +132,4 @@ class WallExecutor final : public Runtime {
   bool has_news_ = false;
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -3,7 +3,7 @@
 
 #include "nodes/graph/wall_executor.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using RealClock = std::chrono::steady_clock;
@@ -226,4 +226,4 @@ void WallExecutor::RequestStop(StopMode mode) {
   TellWatcher();
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 void WireWriter::Text(std::string_view text) {
   U64(text.size());
@@ -47,4 +47,4 @@ Status WireReader::Finish() const {
   return {};
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -2,7 +2,7 @@
 //
 // A message type T describes itself once, in a specialisation beside its definition:
 //   template <>
-//   struct turnlight::graph::Wire<Angle> {
+//   struct turnlight::nodes::graph::Wire<Angle> {
 //     static constexpr std::string_view kName = "Angle";
 //     static constexpr std::uint32_t kVersion = 1;  // goes up with every change of the two below
 //     static void Encode(const Angle& angle, WireWriter& out) { out.F64(angle.deg); }
@@ -21,7 +21,7 @@
 
 #include "base/result.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 static_assert(std::endian::native == std::endian::little, "the wire format is memory order");
 
@@ -110,4 +110,4 @@ class WireReader {
   std::string failure_;
 };
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -11,7 +11,7 @@ constexpr double kBrightShare = 0.01;      // of pixels
 constexpr double kLitLevel = 0.01;         // of white
 constexpr double kMadToSigma = 1.4826;     // of a normal distribution
 constexpr double kSecondDifference = 6.0;  // variance of a - 2b + c over that of each
-constexpr double kRoundingVariance = 1.0 / 12.0;
+constexpr double kVarianceOfRounding = 1.0 / 12.0;
 constexpr int kBlock = 8;  // pixels
 
 // Levels of all channels, as float; NaN stays.
@@ -170,7 +170,7 @@ FrameDifference CompareFrames(const cv::Mat& first, const cv::Mat& second,
   result.rms = std::sqrt(squares / static_cast<double>(result.pixels));
   const double scale = 1.0 / (radiometry.white - radiometry.black);
   const double rounding =
-      first.depth() == CV_32F ? 0.0 : std::sqrt(2.0 * kRoundingVariance) * scale;
+      first.depth() == CV_32F ? 0.0 : std::sqrt(2.0 * kVarianceOfRounding) * scale;
   const double measured =
       bends.empty() ? 0.0 : kMadToSigma * Median(std::move(bends)) / std::sqrt(kSecondDifference);
   result.noise_rms = std::max({measured, rounding, 1e-9});

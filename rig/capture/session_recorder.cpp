@@ -9,7 +9,6 @@
 #include "base/sha256.h"
 #include "rig/capture/exposure_merge.h"
 #include "rig/session/image_file.h"
-#include "rig/session/mesh_file.h"
 
 namespace turnlight::rig {
 namespace {
@@ -17,23 +16,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kLockFile[] = "capture.lock";
-constexpr char kCameraFile[] = "camera.cameramodel";
 constexpr char kFrames[] = "frames";
 constexpr std::uint64_t kSpareBytes = 1 << 20;  // for the journal and session.json
-
-std::string Describe(const DeviceIdentity& device) {
-  return device.vendor + ", " + device.model + ", " + device.serial;
-}
 
 std::string ShowMegabytes(std::uint64_t bytes) {
   const std::uint64_t tenths = (bytes + 99'999) / 100'000;
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " MB";
-}
-
-bool IsBracket(const CaptureSetup& setup) { return setup.plan.exposures_us.size() > 1; }
-
-int StoredDepth(const CaptureSetup& setup) {
-  return IsBracket(setup) ? CV_32F : setup.format.depth;
 }
 
 // "frames/007", of as many digits as the last frame needs; "frames/closure".
@@ -45,78 +33,12 @@ std::string StemOf(const CaptureSetup& setup, const PlannedFrame& planned) {
   return stem + std::string(digits - number.size(), '0') + number;
 }
 
-std::string PathOf(const MeshCopy& mesh) {
-  return mesh.format == MeshFormat::kPly ? "target.ply" : "target.obj";
-}
-
 // The nearest folder of a path that is there.
 fs::path ExistingFolder(fs::path path) {
   std::error_code code;
   path = fs::absolute(path, code);
   while (!fs::is_directory(path, code) && path.has_relative_path()) path = path.parent_path();
   return path;
-}
-
-Status CheckSetup(const CaptureSetup& setup) {
-  const std::string begin = "capture: ";
-  if (const auto problem = Validate(setup.plan))
-    return InputError(begin + problem->key + ": " + problem->text);
-  if (setup.format.size != cv::Size(setup.camera.width(), setup.camera.height()))
-    return InputError(
-        begin + "the camera gives pictures of " + std::to_string(setup.format.size.width) + " x " +
-        std::to_string(setup.format.size.height) + " pixels, its model is of " +
-        std::to_string(setup.camera.width()) + " x " + std::to_string(setup.camera.height()) +
-        "; allowed is the model of this camera at this resolution");
-  const int depth = setup.format.depth;
-  if ((setup.format.channels != 1 && setup.format.channels != 3) ||
-      (depth != CV_8U && depth != CV_16U && depth != CV_32F))
-    return InputError(begin + "pictures of " + std::to_string(setup.format.channels) +
-                      " channels of type " + cv::depthToString(depth) +
-                      ", allowed are 1 or 3 of 8 or 16 bits or float");
-  if (const auto* mesh = std::get_if<MeshCopy>(&setup.target))
-    if (const auto parsed = ParseMesh(mesh->bytes, PathOf(*mesh)); !parsed) return Forward(parsed);
-  if (!IsBracket(setup)) return {};
-  if (setup.bayer)
-    return InputError(begin + "exposures_us: a bracket of " +
-                      std::to_string(setup.plan.exposures_us.size()) +
-                      " exposures with a Bayer camera, allowed is one: a mosaic cannot be merged");
-  if (setup.radiometry.encoding != calib::Encoding::kLinear)
-    return InputError(begin + "exposures_us: a bracket needs radiometry/encoding linear");
-  return {};
-}
-
-// The files that are there from the start, by name.
-std::vector<std::pair<std::string, std::string>> CopiesOf(const CaptureSetup& setup) {
-  std::vector<std::pair<std::string, std::string>> copies{{kCameraFile, setup.camera.ToString()}};
-  if (const auto* mesh = std::get_if<MeshCopy>(&setup.target))
-    copies.emplace_back(PathOf(*mesh), mesh->bytes);
-  return copies;
-}
-
-Target TargetOf(const CaptureSetup& setup) {
-  if (const auto* sphere = std::get_if<calib::SphereShape>(&setup.target)) return *sphere;
-  if (const auto* plane = std::get_if<calib::PlaneShape>(&setup.target)) return *plane;
-  return MeshFile{PathOf(std::get<MeshCopy>(setup.target))};
-}
-
-JournalHeader MakeHeader(const CaptureSetup& setup) {
-  JournalHeader header;
-  header.config_text = setup.config_text;
-  header.camera_path = kCameraFile;
-  header.camera_sha256 = Sha256Hex(setup.camera.ToString());
-  if (const auto* mesh = std::get_if<MeshCopy>(&setup.target)) {
-    header.mesh_path = PathOf(*mesh);
-    header.mesh_sha256 = Sha256Hex(mesh->bytes);
-  }
-  header.camera_identity = Describe(setup.camera_identity);
-  header.table_identity = Describe(setup.table_identity);
-  for (const PlannedFrame& planned : PlannedFrames(setup.plan)) {
-    if (planned.closure)
-      header.closure_deg = planned.angle_deg;
-    else
-      header.angles_deg.push_back(planned.angle_deg);
-  }
-  return header;
 }
 
 // A capture goes on only with what it began with.
@@ -376,12 +298,12 @@ Status SessionRecorder::WriteSessionFiles() {
   Session session;
   session.name = setup_.name;
   session.length_unit = setup_.length_unit;
-  session.camera_path = kCameraFile;
+  session.camera_path = kCaptureCameraFile;
   session.camera = setup_.camera;
   session.radiometry =
       SessionRadiometry(setup_.radiometry, setup_.plan.exposures_us, setup_.plan.gain_db);
   session.bayer = setup_.bayer;
-  session.target = TargetOf(setup_);
+  session.target = SessionTarget(setup_);
   for (const PlannedFrame& planned : planned_)
     if (!planned.closure) session.frames.push_back(entries_.at(planned.index).frame);
   return WriteSession(session, root_, *ops_);

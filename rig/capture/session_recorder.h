@@ -23,7 +23,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "base/file.h"
@@ -33,35 +32,13 @@
 #include "calib/pose.h"
 #include "calib/radiometry.h"
 #include "rig/capture/capture_plan.h"
+#include "rig/capture/capture_setup.h"
 #include "rig/capture/provenance.h"
 #include "rig/device.h"
 #include "rig/session/journal.h"
 #include "rig/session/session.h"
 
 namespace turnlight::rig {
-
-// A mesh as the session will hold it: target.ply or target.obj.
-enum class MeshFormat { kPly, kObj };
-struct MeshCopy {
-  MeshFormat format = MeshFormat::kPly;
-  std::string bytes;  // of the file
-};
-using CaptureTarget = std::variant<calib::SphereShape, calib::PlaneShape, MeshCopy>;
-
-// What is captured and with what. The same for every run of one capture: a resume with another
-// config, camera model, mesh or device (vendor, model, serial) is refused.
-struct CaptureSetup {
-  CapturePlan plan;         // valid
-  std::string config_text;  // of the config file, as read
-  std::string name;         // of the session
-  std::string length_unit = "mm";
-  calib::CameraModel camera;
-  calib::Radiometry radiometry;      // of raw DN; the session's is SessionRadiometry of it
-  std::optional<std::string> bayer;  // refused together with a bracket
-  CaptureTarget target;
-  PictureFormat format;
-  DeviceIdentity camera_identity, table_identity;
-};
 
 // One keyframe, as it goes into the session.
 struct RecordedKeyframe {

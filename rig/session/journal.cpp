@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/sha256.h"
 #include "base/strict_object.h"
+#include "rig/session/session_fields.h"
 #include "rig/session/session_files.h"
 #include "rig/session/session_json.h"
 

@@ -5,18 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "rig/session/session_fields.h"
+
 namespace turnlight::rig {
 namespace {
 
 using nlohmann::ordered_json;
 
 const std::vector<std::string> kBayerPatterns{"RGGB", "BGGR", "GRBG", "GBRG"};
-constexpr Range kPositive{.above = 0.0};
-
-bool IsWord(const std::string& text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(),
-                                      [](unsigned char c) { return c > ' ' && c != 0x7f; });
-}
 
 void Collect(const Status& status, std::vector<std::string>& problems) {
   if (!status) problems.push_back(status.error().text);
@@ -37,69 +33,17 @@ std::string NotANumberHint(const std::string& text) {
   return {};
 }
 
-void ParseEncoding(StrictObject& object, const Document& document, calib::Radiometry& radiometry,
-                   std::vector<std::string>& problems) {
-  const nlohmann::json& value = object.Raw("encoding");
-  if (value == "linear") {
-    radiometry.encoding = calib::Encoding::kLinear;
-  } else if (value == "srgb") {
-    radiometry.encoding = calib::Encoding::kSrgb;
-  } else if (value.is_object()) {
-    StrictObject gamma(document, value, "/radiometry/encoding");
-    gamma.AllowPrefix("x-");
-    radiometry.encoding = calib::Encoding::kGamma;
-    radiometry.gamma = gamma.Number("gamma", {.min = 0.1, .max = 10.0});
-    Collect(gamma.Finish(), problems);
-  } else {
-    object.Refuse("encoding", "\"linear\", \"srgb\" or {\"gamma\": a number}");
-  }
-}
-
-void ParseRadiometry(StrictObject object, const Document& document, Session& session,
-                     std::vector<std::string>& problems) {
-  calib::Radiometry& radiometry = session.radiometry;
+void ParseRadiometry(StrictObject object, Session& session, std::vector<std::string>& problems) {
   object.AllowPrefix("x-");
-  ParseEncoding(object, document, radiometry, problems);
-  radiometry.black = object.Number("black");
-  radiometry.white = object.Number("white");
-  if (object.ok() && radiometry.white <= radiometry.black)
-    object.Refuse("white", "a finite number above black");
-  radiometry.saturation = object.OptionalNumber("saturation");
-  if (object.ok() && radiometry.saturation && *radiometry.saturation <= radiometry.black)
-    object.Refuse("saturation", "a finite number above black");
-  radiometry.reference_exposure_us = object.OptionalNumber("reference_exposure_us", kPositive);
-  radiometry.reference_gain_db = object.OptionalNumber("reference_gain_db");
-  if (const auto balance = object.OptionalNumbers("white_balance", 3, kPositive))
-    radiometry.white_balance = {(*balance)[0], (*balance)[1], (*balance)[2]};
+  Collect(ReadRadiometry(object, session.radiometry), problems);
   session.bayer = object.OptionalChoice("bayer", kBayerPatterns);
   Collect(object.Finish(), problems);
 }
 
 void ParseTarget(StrictObject object, Target& target, std::vector<std::string>& problems) {
   object.AllowPrefix("x-");
-  const std::string shape = object.Choice("shape", {"sphere", "plane", "mesh"});
-  if (shape == "sphere") {
-    target = calib::SphereShape{object.Number("radius", kPositive)};
-  } else if (shape == "plane") {
-    const auto size = object.Numbers("size", 2, kPositive);
-    const auto sides = object.OptionalInteger("sides", 1, 2).value_or(1);
-    target = calib::PlaneShape{size[0], size[1], static_cast<int>(sides)};
-  } else {
-    target = MeshFile{object.String("path")};
-  }
+  target = ReadTargetKeys(object);
   Collect(object.Finish(), problems);
-}
-
-calib::Pose ParsePose(StrictObject& object, const std::string& key) {
-  const auto rows = object.Matrix(key, 3, 4);
-  if (!object.ok()) return {};
-  const auto pose = calib::PoseFromRows(rows, object.Where(key));
-  if (pose) return *pose;
-  // PoseFromRows begins with the place already, and so does RefuseText.
-  const std::string where = object.Where(key) + ": ";
-  const std::string& text = pose.error().text;
-  object.RefuseText(key, text.starts_with(where) ? text.substr(where.size()) : text);
-  return {};
 }
 
 // Either all frames carry an exposure or none; frame 0 is the reference unless the file names one.
@@ -129,24 +73,9 @@ void ParseFrames(StrictObject& object, const std::string& file, Session& session
   if (!session.frames.empty()) SettleExposures(file, session, problems);
 }
 
-ordered_json PrintEncoding(const calib::Radiometry& radiometry) {
-  switch (radiometry.encoding) {
-    case calib::Encoding::kLinear:
-      return "linear";
-    case calib::Encoding::kSrgb:
-      return "srgb";
-    case calib::Encoding::kGamma:
-      return {{"gamma", radiometry.gamma}};
-  }
-  return nullptr;
-}
-
 ordered_json PrintRadiometry(const Session& session) {
   const calib::Radiometry& radiometry = session.radiometry;
-  ordered_json object{{"encoding", PrintEncoding(radiometry)},
-                      {"black", radiometry.black},
-                      {"white", radiometry.white}};
-  if (radiometry.saturation) object["saturation"] = *radiometry.saturation;
+  ordered_json object = PrintRadiometryCore(radiometry);
   // The references default to frame 0's: those are not repeated.
   const FrameRecord& first = session.frames.front();
   if (radiometry.reference_exposure_us &&
@@ -172,19 +101,7 @@ ordered_json PrintTarget(const Target& target) {
   return object;
 }
 
-ordered_json PrintPose(const calib::Pose& pose) {
-  const std::vector<double> rows = calib::RowsFromPose(pose);
-  ordered_json matrix = ordered_json::array();
-  for (auto row = rows.begin(); row != rows.end(); row += 4)
-    matrix.push_back(std::vector<double>(row, row + 4));
-  return matrix;
-}
-
 }  // namespace
-
-bool IsSha256(const std::string& text) {
-  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
 
 FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems) {
   FrameRecord frame;
@@ -194,12 +111,12 @@ FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems) 
   frame.validity = object.OptionalString("validity");
   frame.angle_deg = object.OptionalNumber("angle_deg");
   frame.angle_measured_deg = object.OptionalNumber("angle_measured_deg");
-  frame.exposure.exposure_us = object.OptionalNumber("exposure_us", kPositive);
+  frame.exposure.exposure_us = object.OptionalNumber("exposure_us", {.above = 0.0});
   const auto gain_db = object.OptionalNumber("gain_db");
   frame.has_gain = gain_db.has_value();
   frame.exposure.gain_db = gain_db.value_or(0.0);
-  frame.X_WC = ParsePose(object, "X_WC");
-  frame.X_WT = ParsePose(object, "X_WT");
+  frame.X_WC = ReadPose(object, "X_WC");
+  frame.X_WT = ReadPose(object, "X_WT");
   frame.sha256 = object.OptionalString("sha256");
   if (frame.sha256 && !IsSha256(*frame.sha256))
     object.Refuse("sha256", "64 lower-case hexadecimal digits");
@@ -243,7 +160,7 @@ ParsedSession ParseSession(const std::string& text, const std::string& file) {
   if (object.ok() && !IsWord(session.length_unit))
     object.Refuse("length_unit", "a word without spaces, such as \"mm\"");
   session.camera_path = object.String("camera");
-  ParseRadiometry(object.Object("radiometry"), *document, session, parsed.problems);
+  ParseRadiometry(object.Object("radiometry"), session, parsed.problems);
   ParseTarget(object.Object("target"), session.target, parsed.problems);
   ParseFrames(object, file, session, parsed.problems);
   const Status status = object.Finish();  // the outermost refusal is told first

@@ -29,7 +29,4 @@ std::string PrintSession(const Session& session);
 FrameRecord ParseFrame(StrictObject object, std::vector<std::string>& problems);
 nlohmann::ordered_json PrintFrame(const FrameRecord& frame);
 
-// 64 lower-case hexadecimal digits.
-bool IsSha256(const std::string& text);
-
 }  // namespace turnlight::rig

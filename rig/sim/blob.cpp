@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kFrequency = 4.0;
@@ -116,4 +116,4 @@ std::string MeshToPly(const calib::MeshShape& mesh) {
   return bytes;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

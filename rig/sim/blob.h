@@ -12,7 +12,7 @@
 
 #include "calib/target_shape.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 struct Blob {
   double radius = 40.0;  // above 0
@@ -31,4 +31,4 @@ calib::MeshShape MakeBlob(const Blob& blob, std::uint64_t seed);
 // The bytes of a binary PLY file with normals.
 std::string MeshToPly(const calib::MeshShape& mesh);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 // Wide enough that Validate is the one that judges.
@@ -45,4 +45,4 @@ void ReadField(StrictObject& object, const char* key, std::string& value) {
   value = object.OptionalString(key).value_or(value);
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -7,7 +7,7 @@
 
 #include "base/strict_object.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 // The first thing that is wrong with a config: its key, such as "motion/distance", and the value
 // with what is allowed.
@@ -37,4 +37,4 @@ void ReadField(StrictObject& object, const char* key, double& value);
 void ReadField(StrictObject& object, const char* key, int& value);
 void ReadField(StrictObject& object, const char* key, std::string& value);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

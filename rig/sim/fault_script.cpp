@@ -8,7 +8,7 @@
 #include "base/format.h"
 #include "base/random.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMaxAngleDeg = 1e6;
@@ -220,4 +220,4 @@ int FaultScript::Remaining() const {
   return remaining;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -53,7 +53,7 @@
 #include "base/strict_object.h"
 #include "rig/device.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 enum class FaultKind {
   kLostSteps,
@@ -81,11 +81,6 @@ enum class FaultKind {
 };
 
 enum class FaultDevice { kTable, kCamera };
-
-// What a device's call returns when it cannot do its part.
-inline tl::unexpected<Error> DeviceError(std::string text) {
-  return tl::unexpected<Error>(Error{ErrorKind::kDevice, std::move(text)});
-}
 
 // The words of the YAML.
 std::string FaultWord(FaultKind kind);
@@ -140,4 +135,4 @@ class FaultScript {
   std::vector<FiredFault> fired_;
 };
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

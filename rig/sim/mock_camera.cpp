@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMinExposureUs = 10.0;
@@ -45,46 +45,6 @@ RandomStream NoiseOf(std::uint64_t seed, double commanded_deg, const CameraSetti
 
 }  // namespace
 
-std::optional<ConfigProblem> Validate(const MockCameraConfig& config) {
-  ConfigChecker check;
-  check.Require(
-      !config.serial.empty() && config.serial.size() <= 100, "serial",
-      "it has " + std::to_string(config.serial.size()) + " characters, allowed are 1 to 100");
-  if (const auto problem = Validate(config.scene))
-    check.Require(false, "scene/" + problem->key, problem->text);
-  check.Require(!config.scene.masks, "scene/masks", "true, allowed is false: a camera gives none");
-  check.Require(!config.scene.sensor.clip_share, "scene/sensor/clip_share",
-                "a number, allowed is null: the capture sets the exposure");
-  check.From("reference_exposure_us", config.reference_exposure_us, kMinExposureUs, kMaxExposureUs);
-  check.From("trigger_latency_ms", config.trigger_latency_ms, 0.0, 1000.0);
-  check.From("readout_ms", config.readout_ms, 0.0, 10000.0);
-  check.From("blur_threshold_deg", config.blur_threshold_deg, 0.0, 10.0);
-  check.From("blur_samples", config.blur_samples, 2, 64);
-  check.From("first_frame_id", config.first_frame_id, 1, static_cast<double>(kMaxFrameId));
-  return check.problem();
-}
-
-Result<MockCameraConfig> ReadMockCameraConfig(StrictObject object) {
-  MockCameraConfig config;
-  ReadField(object, "serial", config.serial);
-  if (const auto scene = object.OptionalObject("scene")) {
-    auto read = ReadSyntheticConfig(*scene);
-    if (!read) return Forward(read);
-    config.scene = std::move(*read);
-  }
-  ReadField(object, "reference_exposure_us", config.reference_exposure_us);
-  ReadField(object, "trigger_latency_ms", config.trigger_latency_ms);
-  ReadField(object, "readout_ms", config.readout_ms);
-  ReadField(object, "blur_threshold_deg", config.blur_threshold_deg);
-  ReadField(object, "blur_samples", config.blur_samples);
-  ReadField(object, "first_frame_id", config.first_frame_id);
-  config.reports_trigger = object.OptionalBoolean("reports_trigger").value_or(false);
-  if (Status status = object.Finish(); !status) return Forward(status);
-  if (const auto problem = Validate(config))
-    return InputError(object.Where(problem->key) + ": " + problem->text);
-  return config;
-}
-
 // One opening of the shutter, to be developed when it is polled.
 struct MockCamera::Shot {
   DeviceTime begin{}, end{};
@@ -100,8 +60,14 @@ struct MockCamera::Shot {
   std::optional<RawFrame> again;  // a frame delivered before; nothing else counts then
 };
 
-MockCamera::MockCamera(MockCameraConfig config, Studio studio, std::shared_ptr<MockTurntable> table,
-                       std::shared_ptr<FaultScript> faults)
+Result<Studio> BuildStudio(const MockCameraConfig& config) {
+  auto studio = BuildStudio(config.scene);
+  if (studio) studio->radiometry.reference_exposure_us = config.reference_exposure_us;
+  return studio;
+}
+
+MockCamera::MockCamera(MockCameraConfig config, std::shared_ptr<const Studio> studio,
+                       std::shared_ptr<MockTurntable> table, std::shared_ptr<FaultScript> faults)
     : config_(std::move(config)),
       studio_(std::move(studio)),
       table_(std::move(table)),
@@ -114,11 +80,10 @@ Result<std::unique_ptr<MockCamera>> MockCamera::Create(const MockCameraConfig& c
                                                        std::shared_ptr<MockTurntable> table,
                                                        std::shared_ptr<FaultScript> faults) {
   if (const auto problem = Validate(config)) return InputError(problem->key + ": " + problem->text);
-  auto studio = BuildStudio(config.scene);
+  auto studio = BuildStudio(config);
   if (!studio) return Forward(studio);
-  studio->radiometry.reference_exposure_us = config.reference_exposure_us;
-  return std::unique_ptr<MockCamera>(
-      new MockCamera(config, std::move(*studio), std::move(table), std::move(faults)));
+  return std::make_unique<MockCamera>(config, std::make_shared<const Studio>(std::move(*studio)),
+                                      std::move(table), std::move(faults));
 }
 
 std::optional<FaultEntry> MockCamera::Strike(FaultKind kind, DeviceTime now) {
@@ -254,8 +219,7 @@ cv::Mat3f MockCamera::CachedRender(double angle_deg, bool lit) {
   for (const Render& render : renders_)
     if (render.angle_deg == angle_deg && render.lit == lit) return render.radiance;
   if (renders_.size() >= kCachedRenders) renders_.erase(renders_.begin());
-  renders_.push_back(
-      {angle_deg, lit, RenderPlacement(studio_, PlacementAt(angle_deg), lit).radiance});
+  renders_.push_back({angle_deg, lit, StaticRender(angle_deg, lit).radiance});
   return renders_.back().radiance;
 }
 
@@ -273,9 +237,8 @@ cv::Mat3f MockCamera::Expose(const Shot& shot) {
   const double last_deg = table_->TrueAngleDeg(shot.end);
   if (std::max(high, last_deg) - std::min(low, last_deg) <= config_.blur_threshold_deg)
     return CachedRender(table_->TrueAngleDeg(shot.begin + (shot.end - shot.begin) / 2), shot.lit);
-  cv::Mat3f sum(studio_.rays.height(), studio_.rays.width(), cv::Vec3f(0, 0, 0));
-  for (const double angle_deg : angles_deg)
-    sum += RenderPlacement(studio_, PlacementAt(angle_deg), shot.lit).radiance;
+  cv::Mat3f sum(studio_->rays.height(), studio_->rays.width(), cv::Vec3f(0, 0, 0));
+  for (const double angle_deg : angles_deg) sum += StaticRender(angle_deg, shot.lit).radiance;
   return sum / count;
 }
 
@@ -291,23 +254,23 @@ RawFrame MockCamera::Develop(const Shot& shot) {
   const RandomStream noise =
       NoiseOf(config_.scene.seed, table_->CommandedAngleDeg(shot.begin), shot.set);
   const cv::Mat3f radiance = Expose(shot) * shot.light_factor;
-  frame.image = Photograph(config_.scene.sensor, studio_.radiometry, ToExposure(shot.actual), noise,
-                           radiance);
+  frame.image = Photograph(config_.scene.sensor, studio_->radiometry, ToExposure(shot.actual),
+                           noise, radiance);
   if (shot.saturated)
-    frame.image.setTo(cv::Scalar::all(std::ceil(studio_.radiometry.SaturationDn())));
-  if (shot.black) frame.image.setTo(cv::Scalar::all(studio_.radiometry.black));
+    frame.image.setTo(cv::Scalar::all(std::ceil(studio_->radiometry.SaturationDn())));
+  if (shot.black) frame.image.setTo(cv::Scalar::all(studio_->radiometry.black));
   if (!shot.complete) frame.image.rowRange(frame.image.rows / 2, frame.image.rows).setTo(0);
   return frame;
 }
 
-estimator::target::Rendering MockCamera::StaticRender(double angle_deg) const {
-  return RenderPlacement(studio_, PlacementAt(angle_deg));
+estimator::target::Rendering MockCamera::StaticRender(double angle_deg, bool lit) const {
+  return RenderPlacement(*studio_, PlaceAt(config_.scene.motion, angle_deg), lit);
 }
 
 MockCamera::Deviation MockCamera::DeviationFromStatic(const RawFrame& frame,
                                                       double angle_deg) const {
   const estimator::target::Rendering still = StaticRender(angle_deg);
-  const calib::Radiometry& radiometry = studio_.radiometry;
+  const calib::Radiometry& radiometry = studio_->radiometry;
   const calib::Exposure exposure = ToExposure(frame.actual);
   cv::Mat3f above(still.radiance.size()), below(still.radiance.size());
   for (int i = 0; i < static_cast<int>(still.radiance.total()); ++i)
@@ -347,4 +310,4 @@ MockCamera::Deviation MockCamera::DeviationFromStatic(const RawFrame& frame,
   return deviation;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -18,11 +18,6 @@
 // The picture is rendered by Poll, in the caller's thread (tens of milliseconds of processor time
 // that the passed-in time does not see). Renders are cached by angle, so a retake costs the sensor
 // only.
-//
-// Keys (all optional): serial, scene (the keys of rig/sim/synthetic_config.h; of its motion frames
-// and step_deg mean nothing here, masks and sensor/clip_share must be left out),
-// reference_exposure_us, trigger_latency_ms, readout_ms, blur_threshold_deg, blur_samples,
-// first_frame_id, reports_trigger.
 #pragma once
 
 #include <cstdint>
@@ -33,36 +28,25 @@
 #include <vector>
 
 #include "base/result.h"
-#include "base/strict_object.h"
 #include "rig/device.h"
-#include "rig/sim/config_fields.h"
 #include "rig/sim/fault_script.h"
+#include "rig/sim/mock_config.h"
 #include "rig/sim/mock_turntable.h"
 #include "rig/sim/studio.h"
-#include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
-struct MockCameraConfig {
-  std::string serial = "MOCK-CAMERA-1";
-  SyntheticConfig scene;
-  double reference_exposure_us = 8000.0;  // above 0
-  double trigger_latency_ms = 0.2;        // 0..1000
-  double readout_ms = 15.0;               // 0..10000
-  double blur_threshold_deg = 1e-4;       // 0..10
-  int blur_samples = 8;                   // 2..64
-  int first_frame_id = 1;                 // 1..65535; ids wrap 65535 -> 1
-  bool reports_trigger = false;           // whether frames say which trigger they answer
-};
-
-std::optional<ConfigProblem> Validate(const MockCameraConfig& config);
-// Reads and validates; refuses unknown keys. Messages name file, line, key and what is allowed.
-Result<MockCameraConfig> ReadMockCameraConfig(StrictObject object);
+// The studio of a camera's scene, its radiometry with both references. Fails like BuildStudio.
+Result<Studio> BuildStudio(const MockCameraConfig& config);
 
 // Not for several threads at once; the table may be moved by another.
 class MockCamera : public Camera {
  public:
-  // Fails (kInput): an invalid config, lights that cannot be placed as asked. No script: no faults.
+  // The config must be valid, and the studio that of its scene. No script: no faults.
+  MockCamera(MockCameraConfig config, std::shared_ptr<const Studio> studio,
+             std::shared_ptr<MockTurntable> table, std::shared_ptr<FaultScript> faults = nullptr);
+  // With a studio of its own. Fails (kInput): an invalid config, lights that cannot be placed as
+  // asked.
   static Result<std::unique_ptr<MockCamera>> Create(const MockCameraConfig& config,
                                                     std::shared_ptr<MockTurntable> table,
                                                     std::shared_ptr<FaultScript> faults = nullptr);
@@ -79,7 +63,7 @@ class MockCamera : public Camera {
   // What only a simulation knows. ----------------------------------------------------------------
 
   // Noise-free, the scene at rest at that true angle; coverage is the target's share of a pixel.
-  estimator::target::Rendering StaticRender(double angle_deg) const;
+  estimator::target::Rendering StaticRender(double angle_deg, bool lit = true) const;
   // How far a frame is from the static render at that angle, value by value, in standard deviations
   // of its noise and of the rounding to whole DN. Mind the number of values: the largest of a
   // million normal ones is usually about 4.9.
@@ -89,9 +73,7 @@ class MockCamera : public Camera {
     double share_beyond_5 = 0.0;
   };
   Deviation DeviationFromStatic(const RawFrame& frame, double angle_deg) const;
-  // What the session needs: lens, target, truth, and radiometry with both references filled in.
-  const Studio& studio() const { return studio_; }
-  Placement PlacementAt(double angle_deg) const { return PlaceAt(config_.scene.motion, angle_deg); }
+  const Studio& studio() const { return *studio_; }
   const MockCameraConfig& config() const { return config_; }
 
  private:
@@ -102,8 +84,6 @@ class MockCamera : public Camera {
     cv::Mat3f radiance;
   };
 
-  MockCamera(MockCameraConfig config, Studio studio, std::shared_ptr<MockTurntable> table,
-             std::shared_ptr<FaultScript> faults);
   std::optional<FaultEntry> Strike(FaultKind kind, DeviceTime now);
   Status CheckLink(DeviceTime now);
   Shot NextShot(DeviceTime begin);
@@ -114,7 +94,7 @@ class MockCamera : public Camera {
   cv::Mat3f CachedRender(double angle_deg, bool lit);
 
   const MockCameraConfig config_;
-  Studio studio_;
+  const std::shared_ptr<const Studio> studio_;
   const std::shared_ptr<MockTurntable> table_;
   const std::shared_ptr<FaultScript> faults_;
   CameraSettings settings_;
@@ -129,4 +109,4 @@ class MockCamera : public Camera {
   std::vector<Render> renders_;  // the newest last
 };
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

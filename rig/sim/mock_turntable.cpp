@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMaxCommandDeg = 36000.0;
@@ -22,7 +22,7 @@ DeviceTime RoundUp(double seconds) {
   return DeviceTime(static_cast<std::int64_t>(std::ceil(seconds * 1e9)) + 1);
 }
 
-DeviceTime FromMs(double ms) { return DeviceTime(static_cast<std::int64_t>(ms * 1e6)); }
+DeviceTime TruncatedFromMs(double ms) { return DeviceTime(static_cast<std::int64_t>(ms * 1e6)); }
 
 }  // namespace
 
@@ -39,48 +39,6 @@ double TrapezoidalProfile::At(double t) const {
   if (t < ramp_s_ + cruise_s_) return acceleration_ * ramp_s_ * (t - 0.5 * ramp_s_);
   const double left = Duration() - t;
   return left > 0.0 ? distance_ - 0.5 * acceleration_ * left * left : distance_;
-}
-
-std::optional<ConfigProblem> Validate(const MockTurntableConfig& config) {
-  ConfigChecker check;
-  check.Require(
-      !config.serial.empty() && config.serial.size() <= 100, "serial",
-      "it has " + std::to_string(config.serial.size()) + " characters, allowed are 1 to 100");
-  check.From("max_speed_deg_s", config.max_speed_deg_s, 1e-3, 1e4);
-  check.From("acceleration_deg_s2", config.acceleration_deg_s2, 1e-3, 1e6);
-  check.Above("steps_per_deg", config.steps_per_deg, 0.0, 1e6);
-  check.From("scale", config.scale, -10.0, 10.0);
-  check.Require(config.scale != 0.0, "scale", "0, allowed is any other number from -10 to 10");
-  check.From("backlash_deg", config.backlash_deg, 0.0, 10.0);
-  check.From("settle_amplitude_deg", config.settle_amplitude_deg, 0.0, 10.0);
-  check.Above("settle_frequency_hz", config.settle_frequency_hz, 0.0, 1e4);
-  check.From("settle_ms", config.settle_ms, 0.0, 60000.0);
-  check.From("home_switch_deg", config.home_switch_deg, -360.0, 360.0);
-  check.From("home_speed_deg_s", config.home_speed_deg_s, 1e-3, 1e4);
-  check.From("power_on_deg", config.power_on_deg, -360.0, 360.0);
-  return check.problem();
-}
-
-Result<MockTurntableConfig> ReadMockTurntableConfig(StrictObject object) {
-  MockTurntableConfig config;
-  ReadField(object, "serial", config.serial);
-  ReadField(object, "max_speed_deg_s", config.max_speed_deg_s);
-  ReadField(object, "acceleration_deg_s2", config.acceleration_deg_s2);
-  ReadField(object, "steps_per_deg", config.steps_per_deg);
-  ReadField(object, "scale", config.scale);
-  ReadField(object, "backlash_deg", config.backlash_deg);
-  ReadField(object, "settle_amplitude_deg", config.settle_amplitude_deg);
-  ReadField(object, "settle_frequency_hz", config.settle_frequency_hz);
-  ReadField(object, "settle_ms", config.settle_ms);
-  if (object.OptionalChoice("feedback", {"open_loop", "encoder"}) == "open_loop")
-    config.feedback = TableFeedback::kOpenLoop;
-  ReadField(object, "home_switch_deg", config.home_switch_deg);
-  ReadField(object, "home_speed_deg_s", config.home_speed_deg_s);
-  ReadField(object, "power_on_deg", config.power_on_deg);
-  if (Status status = object.Finish(); !status) return Forward(status);
-  if (const auto problem = Validate(config))
-    return InputError(object.Where(problem->key) + ": " + problem->text);
-  return config;
 }
 
 // From one rest to the next: a move, a homing, or no motion at all. Steps count from the angle 0 of
@@ -218,7 +176,7 @@ Status MockTurntable::CheckLink(DeviceTime now) {
     if (const auto fault = faults_->Strike(FaultKind::kUnplugged, FaultDevice::kTable,
                                            SegmentAt(now).commanded_deg, now)) {
       open_ = false;
-      unplugged_until_ = now + FromMs(fault->amount);
+      unplugged_until_ = now + TruncatedFromMs(fault->amount);
       StopMotor(now, TableMotion::kUnhomed, "not homed since it was plugged in again");
     }
   }
@@ -295,7 +253,7 @@ void MockTurntable::StrikeMove(Segment& segment, DeviceTime now) {
   };
   const std::int64_t all_steps = segment.count_steps;
   if (const auto late = strike(FaultKind::kLateArrival)) {
-    segment.pause = FromMs(late->amount);
+    segment.pause = TruncatedFromMs(late->amount);
     segment.end += segment.pause;
   }
   // A motor that does not turn loses no steps: these wait for a move that is one.
@@ -398,4 +356,4 @@ void MockTurntable::Creep(double by_deg, DeviceTime begin, DeviceTime duration) 
   Append(segment);
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -8,10 +8,6 @@
 //
 // Before the first homing the position is unknown (kUnhomed). Homing turns in the positive
 // direction until the platter meets the switch, which also takes up the backlash.
-//
-// Keys (all optional): serial, max_speed_deg_s, acceleration_deg_s2, steps_per_deg, scale,
-// backlash_deg, settle_amplitude_deg, settle_frequency_hz, settle_ms, feedback (open_loop|encoder),
-// home_switch_deg, home_speed_deg_s, power_on_deg.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +18,11 @@
 #include <vector>
 
 #include "base/result.h"
-#include "base/strict_object.h"
 #include "rig/device.h"
-#include "rig/sim/config_fields.h"
 #include "rig/sim/fault_script.h"
+#include "rig/sim/mock_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 // Rest to rest over a distance at limited speed and acceleration.
 class TrapezoidalProfile {
@@ -44,33 +39,6 @@ class TrapezoidalProfile {
   double ramp_s_;    // each of speeding up and slowing down
   double cruise_s_;  // 0 if the speed limit is never reached
 };
-
-enum class TableFeedback {
-  kOpenLoop,  // the controller reports the steps it sent, whether the motor took them or not
-  kEncoder,   // it reports the motor's shaft: sees lost steps and stalls, not the backlash
-};
-
-struct MockTurntableConfig {
-  std::string serial = "MOCK-TABLE-1";
-  double max_speed_deg_s = 30.0;       // 0.001..1e4
-  double acceleration_deg_s2 = 120.0;  // 0.001..1e6
-  double steps_per_deg = 100.0;        // above 0, at most 1e6
-  // True degrees per commanded degree, -10..10 but not 0. Other than 1: a table set up with wrong
-  // steps per revolution; -1: with a wrong direction.
-  double scale = 1.0;
-  double backlash_deg = 0.05;          // 0..10
-  double settle_amplitude_deg = 0.02;  // 0..10; of the swing after arrival
-  double settle_frequency_hz = 12.0;   // above 0, at most 1e4
-  double settle_ms = 250.0;            // 0..60000; the swing is over, exactly
-  TableFeedback feedback = TableFeedback::kEncoder;
-  double home_switch_deg = 0.0;    // -360..360; where the switch is, and the count after homing
-  double home_speed_deg_s = 60.0;  // 0.001..1e4
-  double power_on_deg = 217.3;     // -360..360; where it stands when switched on
-};
-
-std::optional<ConfigProblem> Validate(const MockTurntableConfig& config);
-// Reads and validates; refuses unknown keys. Messages name file, line, key and what is allowed.
-Result<MockTurntableConfig> ReadMockTurntableConfig(StrictObject object);
 
 // Safe to call from several threads: the mock camera asks for the truth while another node moves
 // the table. Times may not go back by more than the last few moves.
@@ -120,4 +88,4 @@ class MockTurntable : public Turntable {
   DeviceTime unplugged_until_{};
 };
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -8,7 +8,7 @@
 #include "base/angles.h"
 #include "base/random.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using estimator::model::Light;
@@ -116,4 +116,4 @@ Result<Scene> DrawScene(const SyntheticConfig& config) {
   return scene;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

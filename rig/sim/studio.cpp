@@ -1,6 +1,5 @@
 #include "rig/sim/studio.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,10 +9,8 @@
 #include "base/parallel.h"
 #include "rig/sim/random_scene.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
-
-using calib::Pose;
 
 Result<calib::CameraModel> MakeCamera(const SyntheticCamera& config) {
   const double cx = 0.5 * (config.width - 1);
@@ -40,22 +37,6 @@ calib::TargetShape MakeTarget(const SyntheticConfig& config) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&config.target)) return *sphere;
   if (const auto* plane = std::get_if<calib::PlaneShape>(&config.target)) return *plane;
   return MakeBlob(std::get<Blob>(config.target), config.seed);
-}
-
-// A camera at the given azimuth and elevation that looks at W's origin, its x axis level.
-Pose LookAtOrigin(double azimuth, double elevation, double distance) {
-  const Eigen::Vector3d outward(std::cos(elevation) * std::cos(azimuth),
-                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  Pose X_WC;
-  X_WC.rotation.col(0) = Eigen::Vector3d(-std::sin(azimuth), std::cos(azimuth), 0.0);
-  X_WC.rotation.col(2) = -outward;
-  X_WC.rotation.col(1) = X_WC.rotation.col(2).cross(X_WC.rotation.col(0));
-  X_WC.translation = distance * outward;
-  return X_WC;
-}
-
-Pose Turn(const Eigen::Vector3d& axis, double angle) {
-  return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), Eigen::Vector3d::Zero()};
 }
 
 double GainFactor(const calib::Radiometry& radiometry, const calib::Exposure& exposure) {
@@ -116,16 +97,23 @@ Result<Studio> BuildStudio(const SyntheticConfig& config) {
   return studio;
 }
 
-Placement PlaceAt(const Motion& motion, double angle_deg) {
-  const double angle = DegToRad(angle_deg);
-  const bool orbit = motion.kind == MotionKind::kOrbit;
-  const Pose X_AT =
-      motion.tilt_deg == 0.0 ? Pose{} : Turn(Eigen::Vector3d::UnitY(), DegToRad(motion.tilt_deg));
-  return {LookAtOrigin(orbit ? angle : 0.0, DegToRad(motion.elevation_deg), motion.distance),
-          orbit ? X_AT : Turn(Eigen::Vector3d::UnitZ(), angle) * X_AT};
+calib::RigGeometry GeometryOf(const Motion& motion) {
+  calib::Pose X_AT;
+  if (motion.tilt_deg != 0.0)
+    X_AT = calib::Turn(Eigen::Vector3d::UnitY(), DegToRad(motion.tilt_deg));
+  if (motion.kind == MotionKind::kOrbit)
+    return calib::OrbitGeometry{motion.elevation_deg, motion.distance, X_AT};
+  calib::TurntableGeometry table;
+  table.X_WC = calib::LookAtOrigin(0.0, DegToRad(motion.elevation_deg), motion.distance);
+  table.X_AT = X_AT;
+  return table;
 }
 
-estimator::target::Rendering RenderPlacement(const Studio& studio, const Placement& placement,
+calib::RigPoses PlaceAt(const Motion& motion, double angle_deg) {
+  return calib::PosesAt(GeometryOf(motion), angle_deg);
+}
+
+estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit) {
   const estimator::model::Scene dark{{}, studio.scene.reflectance};
   return estimator::target::Render(lit ? studio.scene : dark, studio.geometry, studio.rays,
@@ -150,4 +138,4 @@ cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
   return image;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

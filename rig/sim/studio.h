@@ -7,15 +7,15 @@
 #include "base/random.h"
 #include "base/result.h"
 #include "calib/camera_model.h"
-#include "calib/pose.h"
 #include "calib/radiometry.h"
+#include "calib/rig_geometry.h"
 #include "calib/target_shape.h"
 #include "estimator/model/scene.h"
 #include "estimator/target/geometry.h"
 #include "estimator/target/renderer.h"
 #include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 struct Studio {
   calib::CameraModel camera;
@@ -31,17 +31,14 @@ struct Studio {
 // sensor's clip_share is left to the caller.
 Result<Studio> BuildStudio(const SyntheticConfig& config);
 
-// Where camera and target are when the motion has gone round by angle_deg:
-// table: X_WT = X_WA * Rz(angle) * X_AT with X_WA = identity (W lies on the axis) and X_AT the
-// tilt; orbit: the camera has gone round the still target by as much.
-struct Placement {
-  calib::Pose X_WC;
-  calib::Pose X_WT;
-};
-Placement PlaceAt(const Motion& motion, double angle_deg);
+// What turns, and how: a table whose axis is W's z axis, X_AT being the tilt; or the camera round
+// the still target.
+calib::RigGeometry GeometryOf(const Motion& motion);
+// Where camera and target are when the motion has gone round by angle_deg.
+calib::RigPoses PlaceAt(const Motion& motion, double angle_deg);
 
 // Noise-free. lit = false leaves the ambient term alone.
-estimator::target::Rendering RenderPlacement(const Studio& studio, const Placement& placement,
+estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit = true);
 
 // Standard deviation of the noise of one value of linear radiance. The sensor's variance is
@@ -54,4 +51,4 @@ cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
                    const calib::Exposure& exposure, const RandomStream& random,
                    const cv::Mat3f& radiance);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

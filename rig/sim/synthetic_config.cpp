@@ -5,7 +5,7 @@
 
 #include "base/angles.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMaxLength = 1e9;
@@ -174,4 +174,4 @@ std::optional<ConfigProblem> Validate(const SyntheticConfig& config) {
   return check.problem();
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -37,7 +37,7 @@
 #include "rig/sim/blob.h"
 #include "rig/sim/config_fields.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 struct Interval {
   double low = 0.0;
@@ -148,4 +148,4 @@ Result<SyntheticConfig> ReadSyntheticConfig(StrictObject object);
 // All keys with their values, as YAML that reads back to the same config.
 std::string ToYaml(const SyntheticConfig& config);
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -10,16 +10,16 @@
 #include "estimator/results/words.h"
 #include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using estimator::results::ReadOptionalWord;
 using estimator::results::WordOf;
 using nlohmann::ordered_json;
 
-constexpr std::uint64_t kMaxFileBytes = 16 << 20;
+constexpr std::uint64_t kMaxConfigBytes = 16 << 20;
 
-using rig::ReadField;  // beside those below, which would hide it
+using rig::sim::ReadField;  // beside those below, which would hide it
 
 void ReadField(StrictObject& object, const char* key, Interval& value) {
   if (const auto pair = object.OptionalNumbers(key, 2)) value = {(*pair)[0], (*pair)[1]};
@@ -335,7 +335,7 @@ Result<SyntheticConfig> ReadSyntheticConfig(StrictObject object) {
 }
 
 Result<SyntheticConfig> ReadSyntheticConfig(const std::filesystem::path& path) {
-  auto text = ReadFile(path, kMaxFileBytes);
+  auto text = ReadFile(path, kMaxConfigBytes);
   if (!text) return Forward(text);
   return ParseSyntheticConfig(*text, path.string());
 }
@@ -357,4 +357,4 @@ std::string ToYaml(const SyntheticConfig& config) {
   return yaml;
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

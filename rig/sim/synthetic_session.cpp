@@ -13,7 +13,7 @@
 #include "rig/session/session.h"
 #include "rig/sim/studio.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kReferenceExposureUs = 1000.0;
@@ -67,7 +67,7 @@ Result<Shoot> PrepareShoot(const SyntheticConfig& config) {
 
 SyntheticFrame MakeFrame(const SyntheticConfig& config, const Shoot& shoot, int index) {
   const double angle_deg = index * config.motion.step_deg;
-  const Placement placement = PlaceAt(config.motion, angle_deg);
+  const calib::RigPoses placement = PlaceAt(config.motion, angle_deg);
   const estimator::target::Rendering rendering = RenderPlacement(shoot.studio, placement);
   const RandomStream random(config.seed, static_cast<std::uint64_t>(index));
   return {Photograph(config.sensor, shoot.studio.radiometry, shoot.exposure, random,
@@ -221,4 +221,4 @@ Result<SyntheticReport> WriteSynthetic(const SyntheticConfig& config,
   return Summarise(config, tally);
 }
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -20,7 +20,7 @@
 #include "estimator/model/scene.h"
 #include "rig/sim/synthetic_config.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 
 struct SyntheticFrame {
   cv::Mat image;   // DN; R, G, B; CV_8U, CV_16U or CV_32F, h x w
@@ -60,4 +60,4 @@ Result<SyntheticReport> WriteSynthetic(const SyntheticConfig& config,
                                        const std::filesystem::path& root,
                                        const FrameProgress& progress = {});
 
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -200,8 +200,8 @@ class BadInputs : public ::testing::TestWithParam<BadInput> {};
 
 TEST_P(BadInputs, StopTheProgramWithAMessage) {
   const TemporaryFolder folder;
-  rig::SyntheticConfig config = SmallConfig();
-  if (GetParam().mesh) config.target = rig::Blob{40.0, 0.3, 16};
+  rig::sim::SyntheticConfig config = SmallConfig();
+  if (GetParam().mesh) config.target = rig::sim::Blob{40.0, 0.3, 16};
   WriteSession(config, folder / "s");
   GetParam().damage(folder / "s");
   const Outcome outcome = RunProgram({"estimate", folder / "s", "--out", folder / "r", "--json"});

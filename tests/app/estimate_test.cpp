@@ -32,7 +32,7 @@ std::vector<std::string> Keys(const ordered_json& object) {
 class Estimate : public ::testing::Test {
  protected:
   void SetUp() override {
-    rig::SyntheticConfig config = SmallConfig();
+    rig::sim::SyntheticConfig config = SmallConfig();
     config.sensor.noise_relative = 0.003;
     WriteSession(config, folder_ / "s");
   }

@@ -81,8 +81,8 @@ void Replace(std::string& text, const std::string& what, const std::string& by) 
 void RunQuickly(std::string& config) {
   Replace(config, "executor: virtual", "executor: wall");
   Replace(config, "max_speed_deg_s: 30, acceleration_deg_s2: 120",
-          "max_speed_deg_s: 1000, acceleration_deg_s2: 10000, home_speed_deg_s: 1000, "
-          "settle_ms: 10");
+          "max_speed_deg_s: 1000, acceleration_deg_s2: 10000, home_speed_deg_s: 1000");
+  Replace(config, "backlash_deg: 0.05", "backlash_deg: 0.05, settle_ms: 10");
   Replace(config, "settle_ms: 300", "settle_ms: 20");
 }
 
@@ -102,13 +102,13 @@ std::string SmallRunConfig() {
   return text;
 }
 
-rig::SyntheticConfig SmallConfig() {
-  rig::SyntheticConfig config;
+rig::sim::SyntheticConfig SmallConfig() {
+  rig::sim::SyntheticConfig config;
   config.name = "small";
   config.motion.frames = 3;
   config.motion.step_deg = 120.0;
   config.camera = {80, 60, 170.0, {}};
-  config.lights = std::vector<rig::LightSpec>{{{0.4, 0.3, 0.85}, 600.0, 1.0, {1, 1, 1}}};
+  config.lights = std::vector<rig::sim::LightSpec>{{{0.4, 0.3, 0.85}, 600.0, 1.0, {1, 1, 1}}};
   estimator::model::Reflectance reflectance;
   reflectance.albedo = {0.5, 0.4, 0.3};
   reflectance.ambient = 0.1;
@@ -119,8 +119,8 @@ rig::SyntheticConfig SmallConfig() {
   return config;
 }
 
-void WriteSession(const rig::SyntheticConfig& config, const std::filesystem::path& folder) {
-  const auto report = rig::WriteSynthetic(config, folder);
+void WriteSession(const rig::sim::SyntheticConfig& config, const std::filesystem::path& folder) {
+  const auto report = rig::sim::WriteSynthetic(config, folder);
   ASSERT_TRUE(report) << report.error().text;
 }
 

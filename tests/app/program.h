@@ -41,12 +41,12 @@ void RunQuickly(std::string& config);
 std::string ContentOf(const std::string& session);
 
 // A small noiseless config: a ball under one near light, three views of 80 x 60 pixels, 16 bits.
-rig::SyntheticConfig SmallConfig();
+rig::sim::SyntheticConfig SmallConfig();
 
 // configs/simulated_orbit.yaml with three frames of 64 x 48 pixels.
 std::string SmallRunConfig();
 
 // Writes the config's session; a test failure if that is not possible.
-void WriteSession(const rig::SyntheticConfig& config, const std::filesystem::path& folder);
+void WriteSession(const rig::sim::SyntheticConfig& config, const std::filesystem::path& folder);
 
 }  // namespace turnlight::app

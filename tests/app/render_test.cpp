@@ -56,8 +56,8 @@ Outcome RenderTruth(const TemporaryFolder& folder, const std::string& out, const
 
 TEST(Render, ReproducesASixteenBitSessionExactly) {
   for (const bool mesh : {false, true}) {
-    rig::SyntheticConfig config = SmallConfig();
-    if (mesh) config.target = rig::Blob{40.0, 0.3, 32};
+    rig::sim::SyntheticConfig config = SmallConfig();
+    if (mesh) config.target = rig::sim::Blob{40.0, 0.3, 32};
     config.sensor.black = 300.0;
     config.sensor.clip_share = 0.0;
     const TemporaryFolder folder;
@@ -72,8 +72,8 @@ TEST(Render, ReproducesASixteenBitSessionExactly) {
 }
 
 TEST(Render, WidensEightBits) {
-  rig::SyntheticConfig config = SmallConfig();
-  config.sensor.depth = rig::SensorDepth::k8;
+  rig::sim::SyntheticConfig config = SmallConfig();
+  config.sensor.depth = rig::sim::SensorDepth::k8;
   config.sensor.black = 10.0;
   config.sensor.white = 250.0;
   config.sensor.encoding = calib::Encoding::kSrgb;
@@ -89,8 +89,8 @@ TEST(Render, WidensEightBits) {
 }
 
 TEST(Render, FloatSessionsStayFloat) {
-  rig::SyntheticConfig config = SmallConfig();
-  config.sensor.depth = rig::SensorDepth::kFloat;
+  rig::sim::SyntheticConfig config = SmallConfig();
+  config.sensor.depth = rig::sim::SensorDepth::kFloat;
   config.sensor.saturation = 100.0;
   const TemporaryFolder folder;
   WriteSession(config, folder / "s");
@@ -103,12 +103,12 @@ TEST(Render, FloatSessionsStayFloat) {
 TEST(Render, SettingsAndLightsAreTheScene) {
   const TemporaryFolder folder;
   WriteSession(SmallConfig(), folder / "s");
-  rig::SyntheticConfig other = SmallConfig();
+  rig::sim::SyntheticConfig other = SmallConfig();
   auto& reflectance = std::get<estimator::model::Reflectance>(other.reflectance);
   reflectance.shininess = 80.0;
   reflectance.albedo = {0.1, 0.2, 0.3};
-  other.lights = std::vector<rig::LightSpec>{{{0, 0, 1}, {}, 0.25, {1, 1, 1}},
-                                             {{-1, 0, 1}, 700.0, 0.5, {1, 1, 1}}};
+  other.lights = std::vector<rig::sim::LightSpec>{{{0, 0, 1}, {}, 0.25, {1, 1, 1}},
+                                                  {{-1, 0, 1}, 700.0, 0.5, {1, 1, 1}}};
   WriteSession(other, folder / "other");
   const Outcome outcome =
       RenderTruth(folder, "r",
@@ -120,9 +120,9 @@ TEST(Render, SettingsAndLightsAreTheScene) {
 }
 
 TEST(Render, NoShadowsLeavesOutCastShadows) {
-  rig::SyntheticConfig config = SmallConfig();
-  config.target = rig::Blob{40.0, 0.5, 32};
-  config.lights = std::vector<rig::LightSpec>{{{0.2, 1.0, 0.1}, {}, 1.0, {1, 1, 1}}};
+  rig::sim::SyntheticConfig config = SmallConfig();
+  config.target = rig::sim::Blob{40.0, 0.5, 32};
+  config.lights = std::vector<rig::sim::LightSpec>{{{0.2, 1.0, 0.1}, {}, 1.0, {1, 1, 1}}};
   const TemporaryFolder folder;
   WriteSession(config, folder / "s");
   ASSERT_EQ(RenderTruth(folder, "r", {"--no-shadows"}).exit_code, 0);
@@ -178,7 +178,7 @@ TEST(Render, NeverTouchesTheSession) {
 TEST(Render, NeverWritesOverAnotherSession) {
   const TemporaryFolder folder;
   WriteSession(SmallConfig(), folder / "s");
-  rig::SyntheticConfig other = SmallConfig();
+  rig::sim::SyntheticConfig other = SmallConfig();
   other.motion.frames = 4;
   WriteSession(other, folder / "other");
   const std::string before = ContentOf(folder / "other");
@@ -190,7 +190,7 @@ TEST(Render, NeverWritesOverAnotherSession) {
 
 TEST(Render, CtrlCSaysThatTheSessionIsNotComplete) {
   const TemporaryFolder folder;
-  rig::SyntheticConfig config = SmallConfig();
+  rig::sim::SyntheticConfig config = SmallConfig();
   config.motion.frames = 12;
   config.motion.step_deg = 30.0;
   WriteSession(config, folder / "s");

@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include "calib/radiometry.h"
 #include "rig/session/session.h"
@@ -133,8 +134,8 @@ TEST_F(Run, SecondRunIntoTheSameFolderIsRefused) {
 
 TEST_F(Run, PausesWithEveryGoodFrameKept) {
   const std::string faulty =
-      Config("faulty.yaml", "simulated_turntable.yaml", "  camera:\n",
-             "  faults: {list: [{at: {keyframe: 3}, fault: all_black, times: 4}]}\n  camera:\n");
+      Config("faulty.yaml", "simulated_turntable.yaml", "  shutter: ",
+             "  faults: {list: [{at: {keyframe: 3}, fault: all_black, times: 4}]}\n  shutter: ");
   const Outcome paused = RunProgram({"capture", faulty, "--out", Out("paused")});
   EXPECT_EQ(paused.exit_code, 3) << paused.err;
   EXPECT_NE(paused.err.find("3 frames are missing"), std::string::npos) << paused.err;
@@ -144,9 +145,9 @@ TEST_F(Run, PausesWithEveryGoodFrameKept) {
 TEST_F(Run, ADeviceThatDoesNotOpenIsToldBeforeAnythingIsWritten) {
   for (const std::string device : {"camera", "table"}) {
     const std::string config =
-        Config("unplugged.yaml", "simulated_turntable.yaml", "  camera:\n",
+        Config("unplugged.yaml", "simulated_turntable.yaml", "  shutter: ",
                "  faults: {list: [{at: {time_s: 0}, fault: unplugged, device: " + device +
-                   ", ms: 1000}]}\n  camera:\n");
+                   ", ms: 1000}]}\n  shutter: ");
     const Outcome outcome = RunProgram({"capture", config, "--out", Out("unplugged")});
     EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
     EXPECT_NE(outcome.err.find(device == "camera" ? "MOCK-CAMERA-1" : "MOCK-TABLE-1"),
@@ -184,10 +185,10 @@ TEST_F(Run, AnOpenLoopTableThatLostStepsIsSeenByTheClosure) {
   const auto with = [this](const std::string& name, const std::string& deg) {
     std::string text = ReadText(config_);
     Replace(text, "closure: false", "closure: true");
-    Replace(text, "backlash_deg: 0.05}", "backlash_deg: 0.05, feedback: open_loop}");
-    Replace(text, "  camera:\n",
+    Replace(text, "acceleration_deg_s2: 120}", "acceleration_deg_s2: 120, feedback: open_loop}");
+    Replace(text, "  shutter: ",
             "  faults: {list: [{at: {keyframe: 3}, fault: lost_steps, deg: " + deg +
-                "}]}\n  camera:\n");
+                "}]}\n  shutter: ");
     WriteText(root_ / (name + ".yaml"), text);
     return RunProgram({"run", (root_ / (name + ".yaml")).string(), "--out", Out(name)});
   };
@@ -226,14 +227,33 @@ TEST_F(Run, ResumeOfAFinishedRunDoesWhatIsMissing) {
   EXPECT_FALSE(fs::exists(Out("nowhere")));
 }
 
+// A session without a name has its config's; the copy in the folder is called otherwise.
+TEST_F(Run, AConfigWithoutANameKeepsItOnResumeAndReplay) {
+  const std::string config =
+      Config("lump.yaml", "simulated_turntable.yaml", "name: simulated_turntable\n", "");
+  ExpectRuns({"capture", config, "--out", Out("run")});
+  const std::string whole = ReadText(Out("run") + "/session/session.json");
+  EXPECT_NE(whole.find("\"name\": \"lump\""), std::string::npos) << whole;
+  ExpectRuns({"replay", Out("run") + "/log", "--out", Out("again")});
+  EXPECT_EQ(ReadText(Out("again") + "/session/session.json"), whole);
+  fs::remove(Out("run") + "/session/session.json");
+  ExpectRuns({"resume", Out("run")});
+  EXPECT_EQ(ReadText(Out("run") + "/session/session.json"), whole);
+}
+
 TEST_F(Run, ReplayWithAnotherRigIsRefusedAndNamed) {
   ExpectRuns({"capture", config_, "--out", Out("run")});
   std::string text = ReadText(Out("run") + "/config.yaml");
-  Replace(text, "distance: 480", "distance: 490");
-  WriteText(Out("run") + "/config.yaml", text);
-  const Outcome outcome = RunProgram({"replay", Out("run") + "/log", "--out", Out("again")});
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_NE(outcome.err.find("another \"rig\""), std::string::npos) << outcome.err;
+  for (const auto& [part, was, is] : {std::tuple("simulation", "distance: 480", "distance: 490"),
+                                      {"rig", "max_speed_deg_s: 30", "max_speed_deg_s: 31"}}) {
+    std::string other = text;
+    Replace(other, was, is);
+    WriteText(Out("run") + "/config.yaml", other);
+    const Outcome outcome = RunProgram({"replay", Out("run") + "/log", "--out", Out("again")});
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_NE(outcome.err.find(std::string("another \"") + part + "\""), std::string::npos)
+        << outcome.err;
+  }
 }
 
 TEST_F(Run, ReplayOfAFolderOrOfNoLogIsRefused) {
@@ -349,15 +369,6 @@ TEST_F(Run, ItsConfigIsCheckedAsOneAndNotShown) {
   EXPECT_EQ(shown.exit_code, 2);
   EXPECT_NE(shown.err.find("a config for turnlight run, allowed is"), std::string::npos)
       << shown.err;
-}
-
-TEST_F(Run, UnknownDriverIsRefusedWithWhatIsAllowed) {
-  const std::string other =
-      Config("other.yaml", "simulated_turntable.yaml", "driver: mock", "driver: magic");
-  const Outcome outcome = RunProgram({"plan", other});
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.err.find("magic"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("mock"), std::string::npos) << outcome.err;
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ TEST(Progress, LineShowsRateAndTimeLeft) {
 }
 
 TEST(RunOutcome, SaysWhatEndedTheRunUnlessThatWasShown) {
-  graph::RunReport report;
-  report.failure = graph::Fault{"camera", "device", "gone", false};
+  nodes::graph::RunReport report;
+  report.failure = nodes::graph::Fault{"camera", "device", "gone", false};
   report.hung = {"table"};
   RunOutcome outcome{.report = report, .missing = 2};
   EXPECT_EQ(OutcomeText(outcome, "go on"),
@@ -43,7 +43,7 @@ TEST(RunOutcome, SaysWhatEndedTheRunUnlessThatWasShown) {
 }
 
 TEST(RunOutcome, SaysNothingWhenAllIsDone) {
-  const graph::RunReport report;
+  const nodes::graph::RunReport report;
   EXPECT_EQ(OutcomeText({.report = report, .session_complete = true}, "go on"), "");
   EXPECT_EQ(ExitCodeOf(RunOutcome{.report = report, .session_complete = true}), kDone);
   EXPECT_EQ(ExitCodeOf(RunOutcome{.report = report}), kIncomplete);

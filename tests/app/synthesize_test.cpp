@@ -141,9 +141,9 @@ TEST(Config, TheShippedSessionIsTheOneItsConfigMakes) {
   EXPECT_EQ(RunProgram({"verify", configs + "example_session"}).exit_code, 0);
   const auto session = rig::ReadSession(configs + "example_session");
   ASSERT_TRUE(session) << session.error().text;
-  const auto config = rig::ReadSyntheticConfig(configs + "example_session.yaml");
+  const auto config = rig::sim::ReadSyntheticConfig(configs + "example_session.yaml");
   ASSERT_TRUE(config) << config.error().text;
-  const auto made = rig::SynthesizeInMemory(*config);
+  const auto made = rig::sim::SynthesizeInMemory(*config);
   ASSERT_TRUE(made) << made.error().text;
   ASSERT_EQ(session->frames.size(), made->frames.size());
   for (std::size_t i = 0; i < made->frames.size(); ++i) {

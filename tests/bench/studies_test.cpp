@@ -186,7 +186,7 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
   for (std::uint64_t number = 0; number < 4; ++number) {
     const auto config = RandomScene(number);
     ASSERT_TRUE(config) << config.error().text;
-    const auto& lights = std::get<std::vector<rig::LightSpec>>(config->lights);
+    const auto& lights = std::get<std::vector<rig::sim::LightSpec>>(config->lights);
     const auto& material = std::get<estimator::model::Reflectance>(config->reflectance);
     EXPECT_GE(material.shininess, 20.0);
     const auto seen = SeenSurface::Build(*config);
@@ -194,10 +194,10 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
     const double width = 2.0 * std::acos(std::exp2(-1.0 / material.shininess));
     double weakest = INFINITY, strongest = 0.0;
     estimator::model::Scene scene{{}, material};
-    for (const rig::LightSpec& a : lights) {
+    for (const rig::sim::LightSpec& a : lights) {
       weakest = std::min(weakest, a.intensity);
       strongest = std::max(strongest, a.intensity);
-      for (const rig::LightSpec& b : lights)
+      for (const rig::sim::LightSpec& b : lights)
         if (&a != &b) {
           EXPECT_GE(std::acos(a.direction.dot(b.direction)), 2.0 * width - 1e-9);
         }
@@ -209,15 +209,15 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
     }
     EXPECT_LE(strongest / weakest, 5.0);
     EXPECT_GE(seen->Brightest(scene), 0.69);
-    EXPECT_EQ(rig::ToYaml(*config), rig::ToYaml(*RandomScene(number)));
+    EXPECT_EQ(rig::sim::ToYaml(*config), rig::sim::ToYaml(*RandomScene(number)));
   }
 }
 
 TEST(Seeing, AShadowedHighlightIsNotSeen) {
   // A deep lump on the table: from straight below nothing that the camera sees is lit.
-  rig::SyntheticConfig config;
-  config.target = rig::Blob{40.0, 0.25, 64};
-  config.motion = {rig::MotionKind::kTable, 3, 120.0, 420.0, 80.0, 0.0};
+  rig::sim::SyntheticConfig config;
+  config.target = rig::sim::Blob{40.0, 0.25, 64};
+  config.motion = {rig::sim::MotionKind::kTable, 3, 120.0, 420.0, 80.0, 0.0};
   config.camera = {80, 60, 130.0, std::nullopt};
   const auto seen = SeenSurface::Build(config);
   ASSERT_TRUE(seen);

@@ -22,7 +22,7 @@ Pose Example() {
   return pose;
 }
 
-std::string ErrorOf(const std::vector<double>& rows) {
+std::string RefusalOf(const std::vector<double>& rows) {
   const auto pose = PoseFromRows(rows, "session.json: frames/3/X_WC");
   if (pose) return "accepted";
   EXPECT_EQ(pose.error().kind, ErrorKind::kInput);
@@ -55,9 +55,9 @@ TEST(Pose, NotFinite) {
     for (std::size_t i = 0; i < 12; ++i) {
       auto rows = RowsFromPose(Example());
       rows[i] = bad;
-      EXPECT_THAT(ErrorOf(rows), AllOf(HasSubstr("row " + std::to_string(i / 4) + ", column " +
-                                                 std::to_string(i % 4)),
-                                       HasSubstr("allowed is a finite number")));
+      EXPECT_THAT(RefusalOf(rows), AllOf(HasSubstr("row " + std::to_string(i / 4) + ", column " +
+                                                   std::to_string(i % 4)),
+                                         HasSubstr("allowed is a finite number")));
     }
   }
 }
@@ -65,31 +65,31 @@ TEST(Pose, NotFinite) {
 TEST(Pose, Reflection) {
   Pose pose = Example();
   pose.rotation.col(2) *= -1.0;
-  EXPECT_THAT(ErrorOf(RowsFromPose(pose)),
+  EXPECT_THAT(RefusalOf(RowsFromPose(pose)),
               AllOf(HasSubstr("reflection"), HasSubstr("determinant is -1"), HasSubstr("+1")));
 }
 
 TEST(Pose, ScaledRotation) {
   Pose pose = Example();
   pose.rotation *= 1.01;
-  EXPECT_THAT(ErrorOf(RowsFromPose(pose)),
+  EXPECT_THAT(RefusalOf(RowsFromPose(pose)),
               AllOf(HasSubstr("not orthonormal"), HasSubstr("0.0201"), HasSubstr("1e-06")));
   pose.rotation.setZero();
-  EXPECT_THAT(ErrorOf(RowsFromPose(pose)), HasSubstr("not orthonormal"));
+  EXPECT_THAT(RefusalOf(RowsFromPose(pose)), HasSubstr("not orthonormal"));
   pose.rotation.setConstant(1e200);
-  EXPECT_THAT(ErrorOf(RowsFromPose(pose)), HasSubstr("not orthonormal"));
+  EXPECT_THAT(RefusalOf(RowsFromPose(pose)), HasSubstr("not orthonormal"));
 }
 
 TEST(Pose, ToleranceIsOnePartInAMillion) {
   Pose pose = Example();
   pose.rotation *= 1.0 + 0.4e-6;  // R'R is off by 0.8e-6
-  EXPECT_EQ(ErrorOf(RowsFromPose(pose)), "accepted");
+  EXPECT_EQ(RefusalOf(RowsFromPose(pose)), "accepted");
   pose.rotation = Example().rotation * (1.0 + 0.6e-6);
-  EXPECT_THAT(ErrorOf(RowsFromPose(pose)), HasSubstr("not orthonormal"));
+  EXPECT_THAT(RefusalOf(RowsFromPose(pose)), HasSubstr("not orthonormal"));
 }
 
 TEST(Pose, WrongCount) {
-  EXPECT_THAT(ErrorOf({1, 2, 3}), AllOf(HasSubstr("3 numbers"), HasSubstr("3 rows of 4")));
+  EXPECT_THAT(RefusalOf({1, 2, 3}), AllOf(HasSubstr("3 numbers"), HasSubstr("3 rows of 4")));
 }
 
 }  // namespace

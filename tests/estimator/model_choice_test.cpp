@@ -13,17 +13,17 @@ namespace turnlight::estimator {
 namespace {
 
 // Small pictures: what is decided here takes few pixels.
-rig::SyntheticConfig Ball(double noise, double ambient) {
-  rig::SyntheticConfig config = TwoLightBall(1, noise, ambient);
+rig::sim::SyntheticConfig Ball(double noise, double ambient) {
+  rig::sim::SyntheticConfig config = TwoLightBall(1, noise, ambient);
   config.motion.frames = 4;
   config.motion.step_deg = 90.0;
   config.camera = {.width = 60, .height = 45, .focal_px = 150.0, .distortion = {}};
   return config;
 }
 
-Result<EstimateOutput> EstimateWith(const rig::SyntheticConfig& config,
+Result<EstimateOutput> EstimateWith(const rig::sim::SyntheticConfig& config,
                                     const model::ModelChoice& choice) {
-  const auto session = rig::SynthesizeInMemory(config);
+  const auto session = rig::sim::SynthesizeInMemory(config);
   if (!session) return Forward(session);
   EstimateOptions options;
   options.model = choice;
@@ -103,7 +103,7 @@ TEST(ModelChoice, BlinnPhongOnASmoothSurface) {
 }
 
 TEST(ModelChoice, ADistantLightHasNoDistance) {
-  rig::SyntheticConfig config = Ball(0.02, 0.1);
+  rig::sim::SyntheticConfig config = Ball(0.02, 0.1);
   LightsOf(config).pop_back();
   const auto open = EstimateWith(config, {});
   ASSERT_TRUE(open) << open.error().text;
@@ -123,8 +123,8 @@ TEST(ModelChoice, ADistantLightHasNoDistance) {
 
 // Two lamps too far for the pictures to tell how far: left open they are distant.
 TEST(ModelChoice, NearLightsKeepTheirDistance) {
-  rig::SyntheticConfig config = Ball(0.005, 0.1);
-  for (rig::LightSpec& light : LightsOf(config)) light.distance = 1e6;
+  rig::sim::SyntheticConfig config = Ball(0.005, 0.1);
+  for (rig::sim::LightSpec& light : LightsOf(config)) light.distance = 1e6;
   const auto open = EstimateWith(config, {});
   ASSERT_TRUE(open) << open.error().text;
   model::ModelChoice choice;
@@ -148,7 +148,7 @@ TEST(ModelChoice, NearLightsKeepTheirDistance) {
 TEST(ModelChoice, TheLobeIsThatOfThePictures) {
   for (const model::SpecularModel model :
        {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong}) {
-    rig::SyntheticConfig config = Ball(0.004, 0.1);
+    rig::sim::SyntheticConfig config = Ball(0.004, 0.1);
     auto& reflectance = std::get<model::Reflectance>(config.reflectance);
     reflectance.specular_model = model;
     reflectance.shininess = 60.0;
@@ -165,7 +165,7 @@ TEST(ModelChoice, TheLobeIsThatOfThePictures) {
 }
 
 TEST(ModelChoice, AmbientLightAloneIsNoLight) {
-  rig::SyntheticConfig config = Ball(0.01, 0.5);
+  rig::sim::SyntheticConfig config = Ball(0.01, 0.5);
   auto& reflectance = std::get<model::Reflectance>(config.reflectance);
   reflectance.diffuse = 0.0;
   reflectance.specular = 0.0;

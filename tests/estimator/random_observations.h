@@ -7,14 +7,9 @@
 #include "base/random.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
+#include "tests/estimator/directions.h"
 
 namespace turnlight::estimator {
-
-inline Eigen::Vector3d RandomUnit(const RandomStream& random, std::uint64_t index) {
-  return Eigen::Vector3d(random.Normal(3 * index), random.Normal(3 * index + 1),
-                         random.Normal(3 * index + 2))
-      .normalized();
-}
 
 // Two lights over a glossy material, with these inverse distances (1/R).
 inline model::Scene TwoLights(double first = 0.15, double second = 0.25) {
@@ -96,5 +91,14 @@ struct RandomObservations {
     points.push_back(point);
   }
 };
+
+// Independent Gaussian noise of this sigma on every value.
+inline void AddNoise(double sigma, std::uint64_t seed, observe::Observations& all) {
+  const RandomStream noise(seed, 5);
+  for (int c = 0; c < all.channels; ++c)
+    for (std::size_t i = 0; i < all.used; ++i)
+      all.radiance[c][i] +=
+          static_cast<float>(sigma * noise.Normal(3 * i + static_cast<std::uint64_t>(c)));
+}
 
 }  // namespace turnlight::estimator

@@ -18,7 +18,7 @@
 namespace turnlight::estimator {
 namespace {
 
-rig::SyntheticConfig NoisyBall(std::uint64_t seed) { return TwoLightBall(seed, 0.01, 0.15); }
+rig::sim::SyntheticConfig NoisyBall(std::uint64_t seed) { return TwoLightBall(seed, 0.01, 0.15); }
 
 // Mean and spread of an estimate over the draws, and the mean of what was stated.
 struct Spread {
@@ -48,7 +48,7 @@ TEST(RecoveryTest, StatedSigmasAreThoseOfTheErrors) {
   std::vector<Eigen::Vector3d> directions[2];
   double direction_sigma[2] = {0.0, 0.0};
   for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
-    const auto session = rig::SynthesizeInMemory(NoisyBall(seed));
+    const auto session = rig::sim::SynthesizeInMemory(NoisyBall(seed));
     ASSERT_TRUE(session) << session.error().text;
     const auto output = EstimateFrom(*session);
     ASSERT_TRUE(output) << output.error().text;
@@ -90,7 +90,7 @@ TEST(RecoveryTest, StatedSigmasAreThoseOfTheErrors) {
 }
 
 TEST(RecoveryTest, ErrorsAreWithinFourSigmaOfTheTruth) {
-  const auto session = rig::SynthesizeInMemory(NoisyBall(1));
+  const auto session = rig::sim::SynthesizeInMemory(NoisyBall(1));
   ASSERT_TRUE(session);
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output);
@@ -111,7 +111,7 @@ TEST(RecoveryTest, ErrorsAreWithinFourSigmaOfTheTruth) {
 }
 
 TEST(RecoveryTest, TheGaugeIsTheStatedOne) {
-  const auto session = rig::SynthesizeInMemory(NoisyBall(2));
+  const auto session = rig::sim::SynthesizeInMemory(NoisyBall(2));
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output);
   EXPECT_DOUBLE_EQ(output->estimate.reflectance.albedo.maxCoeff(), 1.0);
@@ -120,7 +120,7 @@ TEST(RecoveryTest, TheGaugeIsTheStatedOne) {
 }
 
 TEST(RecoveryTest, AHintOfFiveDegreesOffLeadsToTheSameAnswer) {
-  const auto session = rig::SynthesizeInMemory(NoisyBall(3));
+  const auto session = rig::sim::SynthesizeInMemory(NoisyBall(3));
   ASSERT_TRUE(session);
   const auto without = EstimateFrom(*session);
   EstimateOptions options;
@@ -142,7 +142,7 @@ TEST(RecoveryTest, AHintOfFiveDegreesOffLeadsToTheSameAnswer) {
 }
 
 TEST(RepeatabilityTest, SameBitsWithAnyNumberOfThreads) {
-  const auto session = rig::SynthesizeInMemory(NoisyBall(4));
+  const auto session = rig::sim::SynthesizeInMemory(NoisyBall(4));
   ASSERT_TRUE(session);
   std::vector<double> first;
   for (const int threads : {1, 2, 7, 1}) {
@@ -167,8 +167,8 @@ TEST(RepeatabilityTest, SameBitsWithAnyNumberOfThreads) {
 Result<EstimateOutput> RunFilled(float radiance, bool saturated) {
   auto config = NoisyBall(5);
   config.sensor.noise_relative = 0.0;
-  const auto session = rig::SynthesizeInMemory(config);
-  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  const auto session = rig::sim::SynthesizeInMemory(config);
+  std::vector<model::Keyframe> keyframes = rig::sim::ToKeyframes(*session);
   for (model::Keyframe& keyframe : keyframes) {
     keyframe.image.radiance.setTo(cv::Scalar::all(static_cast<double>(radiance)));
     keyframe.image.saturated.setTo(saturated ? 255 : 0);
@@ -194,8 +194,8 @@ TEST(NoAnswerTest, AllClipped) {
 
 TEST(NoAnswerTest, TargetOutOfView) {
   auto config = NoisyBall(6);
-  const auto session = rig::SynthesizeInMemory(config);
-  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  const auto session = rig::sim::SynthesizeInMemory(config);
+  std::vector<model::Keyframe> keyframes = rig::sim::ToKeyframes(*session);
   for (model::Keyframe& keyframe : keyframes) keyframe.X_WT.translation = {0.0, 0.0, 1e5};
   const auto output = EstimateScene(keyframes, target::Geometry(session->target),
                                     calib::RayGrid(session->camera), {});

@@ -1,19 +1,18 @@
 // A glossy ball, 120 x 90 pixels, as several tests of whole estimates need it.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
-#include "base/angles.h"
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
+#include "tests/estimator/directions.h"
 
 namespace turnlight::estimator {
 
 // Six views all around, no noise.
-inline rig::SyntheticConfig SmallBall(std::vector<rig::LightSpec> lights,
-                                      const model::Reflectance& reflectance) {
-  rig::SyntheticConfig config;
+inline rig::sim::SyntheticConfig SmallBall(std::vector<rig::sim::LightSpec> lights,
+                                           const model::Reflectance& reflectance) {
+  rig::sim::SyntheticConfig config;
   config.motion.frames = 6;
   config.motion.step_deg = 60.0;
   config.camera = {.width = 120, .height = 90, .focal_px = 300.0, .distortion = {}};
@@ -33,8 +32,8 @@ inline model::Reflectance Glossy(double ambient, double diffuse, double specular
 }
 
 // Two near lights; a black level keeps the noise below zero.
-inline rig::SyntheticConfig TwoLightBall(std::uint64_t seed, double noise, double ambient) {
-  rig::SyntheticConfig config =
+inline rig::sim::SyntheticConfig TwoLightBall(std::uint64_t seed, double noise, double ambient) {
+  rig::sim::SyntheticConfig config =
       SmallBall({{.direction = {0.4, 0.2, 0.9}, .distance = 300.0, .intensity = 0.8},
                  {.direction = {-0.6, 0.4, 0.6}, .distance = 500.0, .intensity = 0.6}},
                 Glossy(ambient, 0.6, 0.3));
@@ -44,18 +43,14 @@ inline rig::SyntheticConfig TwoLightBall(std::uint64_t seed, double noise, doubl
   return config;
 }
 
-inline std::vector<rig::LightSpec>& LightsOf(rig::SyntheticConfig& config) {
-  return std::get<std::vector<rig::LightSpec>>(config.lights);
+inline std::vector<rig::sim::LightSpec>& LightsOf(rig::sim::SyntheticConfig& config) {
+  return std::get<std::vector<rig::sim::LightSpec>>(config.lights);
 }
 
-inline Result<EstimateOutput> EstimateFrom(const rig::SyntheticSession& session,
+inline Result<EstimateOutput> EstimateFrom(const rig::sim::SyntheticSession& session,
                                            const EstimateOptions& options = {}) {
-  return EstimateScene(rig::ToKeyframes(session), target::Geometry(session.target),
+  return EstimateScene(rig::sim::ToKeyframes(session), target::Geometry(session.target),
                        calib::RayGrid(session.camera), options);
-}
-
-inline double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
 }  // namespace turnlight::estimator

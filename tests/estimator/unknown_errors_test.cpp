@@ -22,9 +22,9 @@ namespace turnlight::estimator {
 namespace {
 
 // The largest distance, degrees, of a light of the scene from its nearest estimate.
-double WorstDirection(const Estimate& estimate, const std::vector<rig::LightSpec>& lights) {
+double WorstDirection(const Estimate& estimate, const std::vector<rig::sim::LightSpec>& lights) {
   double worst = 0.0;
-  for (const rig::LightSpec& light : lights) {
+  for (const rig::sim::LightSpec& light : lights) {
     double nearest = 180.0;
     for (const LightEstimate& found : estimate.lights)
       nearest = std::min(nearest, AngleDeg(found.light.direction, light.direction));
@@ -34,112 +34,17 @@ double WorstDirection(const Estimate& estimate, const std::vector<rig::LightSpec
 }
 
 // Eight views of it.
-rig::SyntheticConfig SmallScene(double noise) {
-  rig::SyntheticConfig config = TwoLightBall(3, noise, 0.1);
+rig::sim::SyntheticConfig SmallScene(double noise) {
+  rig::sim::SyntheticConfig config = TwoLightBall(3, noise, 0.1);
   config.motion.frames = 8;
   config.motion.step_deg = 45.0;
   return config;
 }
 
-// A floor in the plane z = 0 with a wall on its far side, 10 high, and a light low behind the wall.
-calib::MeshShape FloorAndWall() {
-  calib::MeshShape mesh;
-  const auto quad = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                        const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
-    const int at = static_cast<int>(mesh.vertices.size());
-    const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
-    for (const Eigen::Vector3d& p : {a, b, c, d}) {
-      mesh.vertices.push_back(p);
-      mesh.normals.push_back(normal);
-    }
-    mesh.faces.emplace_back(at, at + 1, at + 2);
-    mesh.faces.emplace_back(at, at + 2, at + 3);
-  };
-  quad({-50, -50, 0}, {50, -50, 0}, {50, 50, 0}, {-50, 50, 0});
-  quad({-50, 20, 0}, {50, 20, 0}, {50, 20, 10}, {-50, 20, 10});
-  return mesh;
-}
-
-TEST(Shadows, FloorBehindAWallIsDarkAsFarAsTheLightIsLow) {
-  const target::Geometry geometry{calib::TargetShape(FloorAndWall())};
-  constexpr int kWidth = 101;
-  observe::Observations all;
-  all.channels = 1;
-  all.radius = geometry.radius();
-  all.caster = &geometry;
-  all.width = kWidth;
-  all.X_TW = {calib::Pose()};
-  const std::size_t count = 40 * kWidth,
-                    size = (count + observe::kTile - 1) / observe::kTile * observe::kTile;
-  for (int k = 0; k < 3; ++k) {
-    all.position[k].assign(size, 0.0f);
-    all.normal[k].assign(size, k == 2 ? 1.0f : 0.0f);
-    all.face_normal[k] = all.normal[k];
-    all.mirrored[k] = all.normal[k];
-  }
-  for (auto& component : all.footprint) component.assign(size, 0);
-  for (auto& component : all.step) component.assign(size, 0);
-  all.keyframe.assign(size, 0);
-  all.pixel.assign(size, observe::Observations::kNoPixel);
-  all.tile_begin = {0, size / observe::kTile};
-  all.used = count;
-  const auto y_of = [](std::size_t row) { return 19.5 - static_cast<double>(row); };
-  for (std::size_t i = 0; i < count; ++i) {
-    all.pixel[i] = static_cast<std::uint32_t>(i);
-    all.position[0][i] =
-        static_cast<float>((static_cast<double>(i % kWidth) * 0.5 - 25.0) / all.radius);
-    all.position[1][i] = static_cast<float>(y_of(i / kWidth) / all.radius);
-  }
-  // From beyond the wall, 45 degrees high: the shadow is as long as the wall is high.
-  model::Scene scene;
-  scene.lights = {{Eigen::Vector3d(0, 1, 1).normalized(), 0.0, 1.0, Eigen::Vector3d::Ones()}};
-  const solve::Shadows shadows = solve::CastShadows(all, scene);
-  ASSERT_EQ(shadows.lit.size(), 1u);
-  std::size_t left_out = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double y = y_of(i / kWidth);
-    EXPECT_EQ((*shadows.lit[0])[i], y < 10.0 ? 1 : 0) << y;
-    EXPECT_EQ((*shadows.blocked[0])[i], y < 10.0 ? 0 : 1) << y;
-    const bool edge = y > 9.0 && y < 11.0;
-    EXPECT_EQ((*shadows.usable)[i], edge ? 0 : 1) << y;
-    left_out += edge ? 1 : 0;
-  }
-  EXPECT_EQ(shadows.left_out, left_out);
-  EXPECT_TRUE(solve::SameShadows(shadows, solve::CastShadows(all, scene)));
-}
-
-TEST(Shadows, KernelLeavesOutWhatIsNotLit) {
-  model::Scene scene;
-  scene.lights = {{Eigen::Vector3d(0.2, 0.1, 1).normalized(), 0.1, 1.0, Eigen::Vector3d::Ones()},
-                  {Eigen::Vector3d(-0.5, 0.3, 1).normalized(), 0.0, 0.5, Eigen::Vector3d::Ones()}};
-  scene.reflectance.ambient = 0.1;
-  scene.reflectance.specular = 0.2;
-  scene.reflectance.shininess = 10.0;
-  const RandomObservations random(700, 3, 5);
-  const observe::Observations& all = random.observations;
-  solve::EvaluateOptions options;
-  for (int l = 0; l < 2; ++l) {
-    auto lit = std::make_shared<std::vector<std::uint8_t>>(all.size(), std::uint8_t{1});
-    for (std::size_t i = 0; i < lit->size(); ++i) (*lit)[i] = (i + l) % 3 == 0 ? 0 : 1;
-    options.shadows.lit.push_back(std::move(lit));
-  }
-  const auto model = solve::Predict(all, scene, options);
-  for (std::size_t i = 0; i < random.points.size(); ++i) {
-    model::LightMask visible = 0;
-    for (int l = 0; l < 2; ++l)
-      if ((*options.shadows.lit[static_cast<std::size_t>(l)])[i] != 0)
-        visible |= model::LightMask{1} << l;
-    const RandomPoint& p = random.points[i];
-    const Eigen::Vector3d expected = model::Shade(scene, p.position, p.normal, p.viewer, visible);
-    for (std::size_t c = 0; c < 3; ++c)
-      EXPECT_NEAR(model[c][i], expected[static_cast<Eigen::Index>(c)], 2e-5) << i;
-  }
-}
-
 TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
-  rig::SyntheticConfig config = SmallScene(0.002);
-  config.target = rig::Blob{.radius = 40.0, .depth = 0.25, .segments = 96};
-  config.motion.kind = rig::MotionKind::kTable;
+  rig::sim::SyntheticConfig config = SmallScene(0.002);
+  config.target = rig::sim::Blob{.radius = 40.0, .depth = 0.25, .segments = 96};
+  config.motion.kind = rig::sim::MotionKind::kTable;
   config.motion.frames = 10;
   config.motion.step_deg = 36.0;
   config.camera = {.width = 160, .height = 120, .focal_px = 320.0, .distortion = {}};
@@ -153,7 +58,7 @@ TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
          .distance = 400.0 + 30.0 * i,
          .intensity = 0.3 + 0.03 * i});
   }
-  const auto session = rig::SynthesizeInMemory(config);
+  const auto session = rig::sim::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output) << output.error().text;
@@ -162,11 +67,11 @@ TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
 }
 
 TEST(Sigmas, IdenticalViewsTellWhatOneTells) {
-  rig::SyntheticConfig config = SmallScene(0.005);
+  rig::sim::SyntheticConfig config = SmallScene(0.005);
   config.motion.frames = 1;
-  auto session = rig::SynthesizeInMemory(config);
+  auto session = rig::sim::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
-  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  std::vector<model::Keyframe> keyframes = rig::sim::ToKeyframes(*session);
   const target::Geometry geometry(session->target);
   const calib::RayGrid rays(session->camera);
   const auto one = EstimateScene(keyframes, geometry, rays, {});
@@ -187,10 +92,10 @@ TEST(Sigmas, IdenticalViewsTellWhatOneTells) {
 
 // The same pictures a million times darker, as of a weak lamp with a long exposure.
 TEST(Levels, DarkPicturesGiveTheSameLights) {
-  rig::SyntheticConfig config = SmallScene(0.002);
-  const auto session = rig::SynthesizeInMemory(config);
+  rig::sim::SyntheticConfig config = SmallScene(0.002);
+  const auto session = rig::sim::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
-  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  std::vector<model::Keyframe> keyframes = rig::sim::ToKeyframes(*session);
   const target::Geometry geometry(session->target);
   const calib::RayGrid rays(session->camera);
   const auto bright = EstimateScene(keyframes, geometry, rays, {});
@@ -227,22 +132,22 @@ void ExpectSameLights(const Estimate& a, const Estimate& b, double unit,
   EXPECT_NEAR(b.rms, a.rms, 1e-4 * a.rms);
 }
 
-rig::SyntheticConfig InUnits(double unit) {
-  rig::SyntheticConfig config = SmallScene(0.002);
+rig::sim::SyntheticConfig InUnits(double unit) {
+  rig::sim::SyntheticConfig config = SmallScene(0.002);
   config.target = calib::SphereShape{50.0 * unit};
   config.motion.distance *= unit;
-  for (rig::LightSpec& light : LightsOf(config)) light.distance = *light.distance * unit;
+  for (rig::sim::LightSpec& light : LightsOf(config)) light.distance = *light.distance * unit;
   return config;
 }
 
 // Metres or micrometres: no length is compared with a number of its own.
 TEST(Units, MetresAndMicrometresGiveTheSameLights) {
-  const auto millimetres = rig::SynthesizeInMemory(InUnits(1.0));
+  const auto millimetres = rig::sim::SynthesizeInMemory(InUnits(1.0));
   ASSERT_TRUE(millimetres) << millimetres.error().text;
   const auto expected = EstimateFrom(*millimetres);
   ASSERT_TRUE(expected) << expected.error().text;
   for (const double unit : {1e-3, 1e3}) {
-    const auto session = rig::SynthesizeInMemory(InUnits(unit));
+    const auto session = rig::sim::SynthesizeInMemory(InUnits(unit));
     ASSERT_TRUE(session) << session.error().text;
     const auto output = EstimateFrom(*session);
     ASSERT_TRUE(output) << output.error().text;
@@ -260,12 +165,12 @@ TEST(Units, MetresAndMicrometresGiveTheSameLights) {
 
 // W's origin 100 radii from the target, much further than the lights.
 TEST(Origin, FarFromTheTargetTheLightsAreWhereTheyWere) {
-  const auto session = rig::SynthesizeInMemory(SmallScene(0.002));
+  const auto session = rig::sim::SynthesizeInMemory(SmallScene(0.002));
   ASSERT_TRUE(session) << session.error().text;
   const auto expected = EstimateFrom(*session);
   ASSERT_TRUE(expected) << expected.error().text;
   const Eigen::Vector3d shift(3000.0, -2400.0, 3200.0);
-  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  std::vector<model::Keyframe> keyframes = rig::sim::ToKeyframes(*session);
   for (model::Keyframe& keyframe : keyframes) {
     keyframe.X_WC.translation += shift;
     keyframe.X_WT.translation += shift;
@@ -286,17 +191,17 @@ TEST(Origin, FarFromTheTargetTheLightsAreWhereTheyWere) {
 // Light and camera on opposite sides: a rough board then looks like a smooth one that reflects
 // less.
 TEST(Sigmas, ABoardThatMayBeRoughSaysSo) {
-  rig::SyntheticConfig config =
+  rig::sim::SyntheticConfig config =
       SmallBall({{.direction = {-0.74, 0.33, 0.59}, .distance = {}, .intensity = 1.0}},
                 Glossy(0.1, 0.6, 0.3));
   config.target = calib::PlaneShape{160.0, 120.0};
-  config.motion.kind = rig::MotionKind::kTable;
+  config.motion.kind = rig::sim::MotionKind::kTable;
   config.motion.tilt_deg = 17.0;
   config.motion.elevation_deg = 49.0;
   auto& material = std::get<model::Reflectance>(config.reflectance);
   material.diffuse_model = model::DiffuseModel::kOrenNayar;
   material.roughness = DegToRad(30.0);
-  const auto session = rig::SynthesizeInMemory(config);
+  const auto session = rig::sim::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
   const auto output = EstimateFrom(*session);
   ASSERT_TRUE(output) << output.error().text;
@@ -314,7 +219,7 @@ TEST(Sigmas, ABoardThatMayBeRoughSaysSo) {
 }
 
 // All quantities that the two have, in sigmas; the lights in their order of intensity.
-double WorstInSigmas(const Estimate& e, const rig::SyntheticSession& session) {
+double WorstInSigmas(const Estimate& e, const rig::sim::SyntheticSession& session) {
   double worst = 0.0;
   const auto take = [&](double error, double sigma) {
     worst = std::max(worst, std::abs(error) / sigma);
@@ -340,23 +245,23 @@ double WorstInSigmas(const Estimate& e, const rig::SyntheticSession& session) {
 TEST(Sigmas, CoverWhatTheModelLeavesOut) {
   struct Case {
     const char* name;
-    std::function<void(rig::SyntheticConfig&)> scene;
-    std::function<void(rig::SyntheticSession&)> pictures;
+    std::function<void(rig::sim::SyntheticConfig&)> scene;
+    std::function<void(rig::sim::SyntheticSession&)> pictures;
     double most = 4.0;  // sigmas
   };
   const auto nothing = [](auto&) {};
   const std::vector<Case> cases = {
       {"pixels that average over less",
-       [](rig::SyntheticConfig& c) {
+       [](rig::sim::SyntheticConfig& c) {
          c.samples_per_side = 3;
          c.sensor.noise_relative = 0.0;
        },
        nothing},
       {"a light half a radius above the surface",
-       [](rig::SyntheticConfig& c) { LightsOf(c)[0].distance = 75.0; }, nothing},
+       [](rig::sim::SyntheticConfig& c) { LightsOf(c)[0].distance = 75.0; }, nothing},
       {"a pattern of 5 %", nothing,
-       [](rig::SyntheticSession& s) {
-         for (rig::SyntheticFrame& frame : s.frames)
+       [](rig::sim::SyntheticSession& s) {
+         for (rig::sim::SyntheticFrame& frame : s.frames)
            for (int row = 0; row < frame.image.rows; ++row)
              for (int column = 0; column < frame.image.cols; ++column)
                if (std::sin(0.4 * row + 2.0 * std::sin(0.3 * column)) > 0.6)
@@ -369,9 +274,9 @@ TEST(Sigmas, CoverWhatTheModelLeavesOut) {
   };
   for (const Case& one : cases) {
     SCOPED_TRACE(one.name);
-    rig::SyntheticConfig config = TwoLightBall(4, 0.002, 0.1);
+    rig::sim::SyntheticConfig config = TwoLightBall(4, 0.002, 0.1);
     one.scene(config);
-    auto session = rig::SynthesizeInMemory(config);
+    auto session = rig::sim::SynthesizeInMemory(config);
     ASSERT_TRUE(session) << session.error().text;
     one.pictures(*session);
     const auto output = EstimateFrom(*session);
@@ -384,10 +289,10 @@ TEST(Sigmas, CoverWhatTheModelLeavesOut) {
 // What the halves of the pictures disagree about must be in sigma_total; the plain statistics of
 // 1e5 pixels cannot know of it.
 TEST(Sigmas, TotalCoversWhatTheModelLacks) {
-  rig::SyntheticConfig config = SmallScene(0.0005);
-  const auto session = rig::SynthesizeInMemory(config);
+  rig::sim::SyntheticConfig config = SmallScene(0.0005);
+  const auto session = rig::sim::SynthesizeInMemory(config);
   ASSERT_TRUE(session) << session.error().text;
-  std::vector<model::Keyframe> keyframes = rig::ToKeyframes(*session);
+  std::vector<model::Keyframe> keyframes = rig::sim::ToKeyframes(*session);
   // Vignetting that nobody told of: 4 % darker at the picture's corner.
   for (model::Keyframe& keyframe : keyframes) {
     cv::Mat& image = keyframe.image.radiance;

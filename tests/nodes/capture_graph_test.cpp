@@ -15,7 +15,7 @@
 namespace turnlight::nodes {
 namespace {
 
-using rig::FaultKind;
+using rig::sim::FaultKind;
 using testing::Contains;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
@@ -116,7 +116,7 @@ TEST_F(CaptureGraph, ClosureFrameShowsStepsThatAnOpenLoopLost) {
   auto options = Options("lost");
   options.plan.step_deg = 90.0;
   options.plan.closure = true;
-  options.table.feedback = rig::TableFeedback::kOpenLoop;
+  options.table.feedback = rig::sim::TableFeedback::kOpenLoop;
   options.faults = {FaultAt(FaultKind::kLostSteps, 180.0)};
   const MockRigRun run = RunMockRig(options);
   ASSERT_FALSE(run.report.failure) << run.report.failure->text;

@@ -14,7 +14,7 @@
 namespace turnlight::nodes {
 namespace {
 
-using rig::FaultKind;
+using rig::sim::FaultKind;
 using testing::HasSubstr;
 
 // Of 64 x 48 x 3 normal values, 12 frames, the largest is beyond 5 sigma once in 16 draws. The draw
@@ -61,7 +61,7 @@ TEST_P(WithoutTheChecks, AFrameIsFromTheWrongAngle) {
 INSTANTIATE_TEST_SUITE_P(Faults, WithoutTheChecks,
                          testing::Values(FaultKind::kLostSteps, FaultKind::kStall,
                                          FaultKind::kAlarm, FaultKind::kReset, FaultKind::kBlurred),
-                         [](const auto& info) { return rig::FaultWord(info.param); });
+                         [](const auto& info) { return rig::sim::FaultWord(info.param); });
 
 // A platter that swings where no encoder sees it: only the rest before the exposure helps.
 TEST(KeyframesNode, SettlingAloneKeepsASwingOut) {
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
                     FaultKind::kIncompleteFrame, FaultKind::kBlurred, FaultKind::kTriggerIgnored,
                     FaultKind::kExposureDrift, FaultKind::kGainDrift, FaultKind::kLampOff,
                     FaultKind::kSaturated, FaultKind::kAllBlack, FaultKind::kControlLost),
-    [](const auto& info) { return rig::FaultWord(info.param); });
+    [](const auto& info) { return rig::sim::FaultWord(info.param); });
 
 // What needs no repetition, because the order of checks already deals with it.
 class HarmlessFault : public testing::TestWithParam<FaultKind> {};
@@ -113,7 +113,7 @@ TEST_P(HarmlessFault, LeavesEveryFrameRight) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, HarmlessFault,
                          testing::Values(FaultKind::kLateArrival, FaultKind::kUntriggeredFrame),
-                         [](const auto& info) { return rig::FaultWord(info.param); });
+                         [](const auto& info) { return rig::sim::FaultWord(info.param); });
 
 TEST(KeyframesNode, ManyFaultsInOneRunLeaveEveryFrameRight) {
   MockRigOptions options = SmallCapture();
@@ -158,11 +158,11 @@ TEST(KeyframesNode, HomingThatNeverEndsIsADeviceFault) {
   EXPECT_NE(state->motion, rig::TableMotion::kMoving);
 }
 
-class UnpluggedForGood : public testing::TestWithParam<rig::FaultDevice> {};
+class UnpluggedForGood : public testing::TestWithParam<rig::sim::FaultDevice> {};
 
 TEST_P(UnpluggedForGood, IsADeviceFault) {
   MockRigOptions options = SmallCapture();
-  rig::FaultEntry unplugged = FaultAt(FaultKind::kUnplugged, 60.0);
+  rig::sim::FaultEntry unplugged = FaultAt(FaultKind::kUnplugged, 60.0);
   unplugged.device = GetParam();
   unplugged.amount = 1e7;  // ms: longer than all retries
   options.faults = {unplugged};
@@ -174,8 +174,9 @@ TEST_P(UnpluggedForGood, IsADeviceFault) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, UnpluggedForGood,
-                         testing::Values(rig::FaultDevice::kTable, rig::FaultDevice::kCamera),
-                         [](const auto& info) { return rig::FaultWord(info.param); });
+                         testing::Values(rig::sim::FaultDevice::kTable,
+                                         rig::sim::FaultDevice::kCamera),
+                         [](const auto& info) { return rig::sim::FaultWord(info.param); });
 
 // Frame ids of cameras count in 16 bits and skip 0.
 TEST(KeyframesNode, FrameIdsMayWrap) {

@@ -27,12 +27,12 @@ constexpr int kColumns = 64;
 constexpr int kRows = 48;
 
 // Small, with a textured enough shape: a lump looks different from every side.
-rig::MockCameraConfig SmallCamera(const MockRigOptions& options) {
-  rig::MockCameraConfig config;
+rig::sim::MockCameraConfig SmallCamera(const MockRigOptions& options) {
+  rig::sim::MockCameraConfig config;
   config.first_frame_id = options.first_frame_id;
   config.scene.seed = options.seed;
-  config.scene.target = rig::Blob{};
-  config.scene.motion.kind = rig::MotionKind::kTable;
+  config.scene.target = rig::sim::Blob{};
+  config.scene.motion.kind = rig::sim::MotionKind::kTable;
   config.scene.camera = {kColumns, kRows, 200.0, std::nullopt};
   config.scene.sensor.noise_relative = 0.0003;
   config.scene.samples_per_side = 2;
@@ -81,50 +81,42 @@ void Expect(const Status& status) {
 
 using Recorder = std::shared_ptr<rig::SessionRecorder>;
 
-Recorder OpenRecorder(const MockRigOptions& options, const MockRigRun& run) {
+Recorder OpenRecorder(const MockRigOptions& options, const rig::RigSetup& setup) {
   if (options.session.empty()) return nullptr;
-  const rig::Studio& studio = run.camera->studio();
-  const auto& lump = std::get<calib::MeshShape>(studio.target);
-  const rig::CaptureSetup setup{
-      .plan = options.plan,
-      .config_text = "a test",
-      .name = "lump",
-      .length_unit = "mm",
-      .camera = studio.camera,
-      .radiometry = studio.radiometry,
-      .bayer = std::nullopt,
-      .target = rig::MeshCopy{rig::MeshFormat::kPly, rig::MeshToPly(lump)},
-      .format = {{kColumns, kRows}, 3, CV_16U},
-      .camera_identity = {"turnlight", "mock camera", "1"},
-      .table_identity = {"turnlight", "mock turntable", "1"}};
+  const rig::CaptureSetup capture{.plan = options.plan,
+                                  .config_text = "a test",
+                                  .name = "lump",
+                                  .length_unit = setup.length_unit,
+                                  .camera = setup.known.lens,
+                                  .radiometry = setup.known.radiometry,
+                                  .bayer = setup.camera.bayer,
+                                  .target = setup.target.copy,
+                                  .format = setup.camera.format,
+                                  .camera_identity = "turnlight, mock camera, 1",
+                                  .table_identity = "turnlight, mock turntable, 1"};
   const bool begun = std::filesystem::exists(options.session / rig::kJournalFile);
   return std::make_shared<rig::SessionRecorder>(
-      Expect(begun ? rig::SessionRecorder::Resume(options.session, setup, {}, *options.disk)
-                   : rig::SessionRecorder::Start(options.session, setup, {}, *options.disk)));
+      Expect(begun ? rig::SessionRecorder::Resume(options.session, capture, {}, *options.disk)
+                   : rig::SessionRecorder::Start(options.session, capture, {}, *options.disk)));
 }
 
-// What is created here lives on in the nodes; run must outlive them for the logger's lines.
-graph::NodeRegistry MakeNodes(const MockRigOptions& options, MockRigRun& run,
-                              const Recorder& recorder) {
-  const rig::Studio& studio = run.camera->studio();
+// Table and camera of the run, as a capture takes them.
+rig::RigSetup MakeRig(const MockRigOptions& options, const MockRigRun& run) {
+  const rig::sim::Studio& studio = run.camera->studio();
+  const auto& lump = std::get<calib::MeshShape>(studio.target);
   std::shared_ptr<rig::Camera> camera = run.camera;
   if (options.wrap_camera) camera = options.wrap_camera(camera);
-  Expect(run.table->Open(rig::DeviceTime(0)));
-  Expect(camera->Open(rig::DeviceTime(0)));
-  return CaptureNodes(
-      {run.table,
-       camera,
-       {options.plan, recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
-        studio.radiometry, options.gate, options.check_arrival, options.settle},
-       studio.camera,
-       rig::SensorNoise{},
-       [mock = run.camera](double angle_deg) {
-         const rig::Placement placed = mock->PlacementAt(angle_deg);
-         return CameraAndTarget{placed.X_WC, placed.X_WT};
-       },
-       studio.target,
-       recorder,
-       [&run](const std::string& line) { run.lines.push_back(line); }});
+  rig::CameraDevice device;
+  device.camera = std::move(camera);
+  device.format = {{kColumns, kRows}, 3, CV_16U};
+  return {.table = {run.table, {}},
+          .camera = std::move(device),
+          .known = {studio.camera, rig::sim::GeometryOf(run.camera->config().scene.motion),
+                    studio.radiometry, rig::SensorNoise{}},
+          .target = {lump, rig::MeshCopy{rig::MeshFormat::kPly, rig::sim::MeshToPly(lump)}},
+          .calibration = {},
+          .truth = {},
+          .identity = {}};
 }
 
 // Appends every message of the topic to the list.
@@ -179,8 +171,8 @@ MockRigOptions WholeCapture(const std::filesystem::path& session) {
   return options;
 }
 
-rig::FaultEntry FaultAt(rig::FaultKind kind, std::optional<double> angle_deg, int times) {
-  rig::FaultEntry entry = rig::MakeFault(kind);
+rig::sim::FaultEntry FaultAt(rig::sim::FaultKind kind, std::optional<double> angle_deg, int times) {
+  rig::sim::FaultEntry entry = rig::sim::MakeFault(kind);
   entry.angle_deg = angle_deg;
   entry.times = times;
   return entry;
@@ -201,12 +193,21 @@ const graph::ConnectionReport& MockRigRun::Connection(const std::string& from,
 
 MockRigRun RunMockRig(const MockRigOptions& options) {
   MockRigRun run;
-  run.faults = std::make_shared<rig::FaultScript>(options.faults);
-  run.table = std::make_shared<rig::MockTurntable>(options.table, run.faults);
-  run.camera = Expect(rig::MockCamera::Create(SmallCamera(options), run.table, run.faults));
-  const Recorder recorder = OpenRecorder(options, run);
+  run.faults = std::make_shared<rig::sim::FaultScript>(options.faults);
+  run.table = std::make_shared<rig::sim::MockTurntable>(options.table, run.faults);
+  run.camera = Expect(rig::sim::MockCamera::Create(SmallCamera(options), run.table, run.faults));
+  rig::RigSetup setup = MakeRig(options, run);
+  Expect(rig::OpenRig(setup));
+  const Recorder recorder = OpenRecorder(options, setup);
+  const auto work = std::make_shared<const CaptureWork>(
+      CaptureWork{recorder ? recorder->Missing() : rig::PlannedFrames(options.plan), recorder,
+                  [&run](const std::string& line) { run.lines.push_back(line); }});
   auto config = Expect(graph::ParseGraphConfig(GraphText(options), "mock_rig.yaml"));
-  auto graph = Expect(graph::Graph::Build(std::move(config), MakeNodes(options, run, recorder)));
+  auto graph = Expect(graph::Graph::Build(
+      std::move(config),
+      CaptureNodes({std::move(setup),
+                    {options.plan, options.gate, options.check_arrival, options.settle},
+                    work})));
   Collect(graph, "keyframes.bracket", run.brackets);
   if (recorder) Collect(graph, "estimator.estimate", run.estimates);
   if (options.before_run) options.before_run(graph);

@@ -19,8 +19,8 @@ namespace turnlight::nodes {
 
 struct MockRigOptions {
   rig::CapturePlan plan;  // 4 keyframes of 30 degrees unless changed
-  std::vector<rig::FaultEntry> faults;
-  rig::MockTurntableConfig table;
+  std::vector<rig::sim::FaultEntry> faults;
+  rig::sim::MockTurntableConfig table;
   rig::FrameGate gate;
   bool check_arrival = true;
   bool settle = true;
@@ -46,12 +46,13 @@ MockRigOptions SmallCapture();
 MockRigOptions WholeCapture(const std::filesystem::path& session);
 
 // The fault while that angle is commanded, at any angle if none.
-rig::FaultEntry FaultAt(rig::FaultKind kind, std::optional<double> angle_deg, int times = 1);
+rig::sim::FaultEntry FaultAt(rig::sim::FaultKind kind, std::optional<double> angle_deg,
+                             int times = 1);
 
 struct MockRigRun {
-  std::shared_ptr<rig::MockTurntable> table;
-  std::shared_ptr<rig::MockCamera> camera;
-  std::shared_ptr<rig::FaultScript> faults;
+  std::shared_ptr<rig::sim::MockTurntable> table;
+  std::shared_ptr<rig::sim::MockCamera> camera;
+  std::shared_ptr<rig::sim::FaultScript> faults;
   std::vector<Bracket> brackets;
   std::vector<Estimate> estimates;
   std::vector<std::string> lines;                // of the logger

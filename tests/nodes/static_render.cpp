@@ -14,8 +14,9 @@ namespace {
 constexpr double kWhite = 65535.0;
 
 // In DN; a positive angle turns the target counter-clockwise about W's z axis.
-cv::Mat3f StaticPicture(const rig::Studio& studio, const rig::Motion& motion, double angle_deg) {
-  const rig::Placement start = rig::PlaceAt(motion, 0.0);
+cv::Mat3f StaticPicture(const rig::sim::Studio& studio, const rig::sim::Motion& motion,
+                        double angle_deg) {
+  const calib::RigPoses start = rig::sim::PlaceAt(motion, 0.0);
   calib::Pose X_WT = start.X_WT;
   const Eigen::AngleAxisd turn(angle_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ());
   X_WT.rotation = turn.toRotationMatrix() * start.X_WT.rotation;
@@ -28,8 +29,8 @@ cv::Mat3f StaticPicture(const rig::Studio& studio, const rig::Motion& motion, do
 
 }  // namespace
 
-double WorstSigmas(const std::vector<Bracket>& brackets, const rig::MockCameraConfig& config) {
-  const auto studio = rig::BuildStudio(config.scene);
+double WorstSigmas(const std::vector<Bracket>& brackets, const rig::sim::MockCameraConfig& config) {
+  const auto studio = rig::sim::BuildStudio(config.scene);
   if (!studio) throw std::runtime_error(studio.error().text);
   const double noise_dn = config.scene.sensor.noise_relative * kWhite;
   const double sigma_dn = std::hypot(noise_dn, std::sqrt(1.0 / 12.0));  // and of rounding

@@ -12,6 +12,6 @@ namespace turnlight::nodes {
 
 // The largest |picture - static render| over all pixels, channels and brackets, each in standard
 // deviations of that value's noise. Linear 16-bit pictures without shot noise only.
-double WorstSigmas(const std::vector<Bracket>& brackets, const rig::MockCameraConfig& config);
+double WorstSigmas(const std::vector<Bracket>& brackets, const rig::sim::MockCameraConfig& config);
 
 }  // namespace turnlight::nodes

@@ -14,6 +14,7 @@
 
 #include "base/angles.h"
 #include "base/parallel.h"
+#include "estimator/baseline/paper_estimate.h"
 #include "estimator/estimate.h"
 #include "rig/sim/synthetic_session.h"
 #include "tests/estimator/random_observations.h"
@@ -308,21 +309,21 @@ TEST(PaperDescentTest, FindsASceneOfItsModel) {
   }
 }
 
-rig::SyntheticConfig OneLight() {
-  rig::SyntheticConfig config =
+rig::sim::SyntheticConfig OneLight() {
+  rig::sim::SyntheticConfig config =
       SmallBall({{.direction = {0.5, 0.2, 0.85}, .distance = 2800.0, .intensity = 0.8}},
                 Glossy(0.1, 0.4, 0.5));
   config.sensor.noise_relative = 0.002;
   return config;
 }
 
-Result<EstimateOutput> RunPaper(const rig::SyntheticSession& session) {
-  return EstimateByPaper(rig::ToKeyframes(session), target::Geometry(session.target),
+Result<EstimateOutput> RunPaper(const rig::sim::SyntheticSession& session) {
+  return EstimateByPaper(rig::sim::ToKeyframes(session), target::Geometry(session.target),
                          calib::RayGrid(session.camera), {});
 }
 
 TEST(PaperEstimateTest, OneLightOnASphere) {
-  const auto session = rig::SynthesizeInMemory(OneLight());
+  const auto session = rig::sim::SynthesizeInMemory(OneLight());
   ASSERT_TRUE(session) << session.error().text;
   const auto output = RunPaper(*session);
   ASSERT_TRUE(output) << output.error().text;
@@ -354,7 +355,7 @@ TEST(PaperEstimateTest, OneLightOnASphere) {
 }
 
 TEST(PaperEstimateTest, SameBitsWithAnyNumberOfThreads) {
-  const auto session = rig::SynthesizeInMemory(OneLight());
+  const auto session = rig::sim::SynthesizeInMemory(OneLight());
   ASSERT_TRUE(session);
   std::vector<double> first;
   for (const int threads : {1, 2, 7, 1}) {

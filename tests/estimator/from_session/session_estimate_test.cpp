@@ -31,10 +31,10 @@ class FromSession : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    rig::SyntheticConfig config;
+    rig::sim::SyntheticConfig config;
     config.motion.frames = kFrames;
     config.camera = {160, 120, 280.0, {}};
-    const auto written = rig::WriteSynthetic(config, session());
+    const auto written = rig::sim::WriteSynthetic(config, session());
     ASSERT_TRUE(written) << written.error().text;
   }
   static void TearDownTestSuite() { delete folder_; }

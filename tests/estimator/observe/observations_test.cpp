@@ -23,11 +23,11 @@ namespace {
 constexpr double kAwayFromEdges = 2.0;  // half footprints
 
 // Float pictures without noise, of a matte ball.
-rig::SyntheticConfig FloatPictures(int frames) {
-  rig::SyntheticConfig config = TwoLightBall(1, 0.0, 0.05);
+rig::sim::SyntheticConfig FloatPictures(int frames) {
+  rig::sim::SyntheticConfig config = TwoLightBall(1, 0.0, 0.05);
   config.motion.frames = frames;
   config.sensor = {};
-  config.sensor.depth = rig::SensorDepth::kFloat;
+  config.sensor.depth = rig::sim::SensorDepth::kFloat;
   auto& reflectance = std::get<model::Reflectance>(config.reflectance);
   reflectance.specular = 0.0;
   reflectance.specular_model = model::SpecularModel::kNone;
@@ -35,14 +35,14 @@ rig::SyntheticConfig FloatPictures(int frames) {
 }
 
 struct Built {
-  rig::SyntheticSession session;
+  rig::sim::SyntheticSession session;
   std::vector<model::Keyframe> keyframes;
   target::Geometry geometry;
   calib::RayGrid rays;
 
-  explicit Built(const rig::SyntheticConfig& config)
-      : session(rig::SynthesizeInMemory(config).value()),
-        keyframes(rig::ToKeyframes(session)),
+  explicit Built(const rig::sim::SyntheticConfig& config)
+      : session(rig::sim::SynthesizeInMemory(config).value()),
+        keyframes(rig::sim::ToKeyframes(session)),
         geometry(session.target),
         rays(session.camera) {}
 };

@@ -285,37 +285,6 @@ TEST(FootprintTest, MeanOverTheFootprintOfAWideLobeIsItsCentre) {
   EXPECT_NEAR(a, b, 1e-6 * a);
 }
 
-TEST(FootprintTest, FinerWhereTheLobeIsNarrow) {
-  observe::Observations observations;
-  observations.tile_footprint = {0.001f, 0.03f, 0.2f};
-  observations.pixel.resize(3 * observe::kTile);
-  const auto wide = FootprintSamples(observations, 10.0);
-  const auto narrow = FootprintSamples(observations, 3000.0);
-  EXPECT_EQ(wide[0], 1);
-  EXPECT_EQ(wide[1], 1);
-  EXPECT_GE(wide[2], 2);
-  EXPECT_EQ(narrow[0], 1);
-  EXPECT_GE(narrow[1], 3);
-  EXPECT_EQ(narrow[2], kernel::kMaxSamples);
-}
-
-TEST(PredictTest, EqualsTheClosedForm) {
-  for (const model::SpecularModel specular :
-       {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong,
-        model::SpecularModel::kNone}) {
-    const model::Scene scene = RandomScene(21, specular, model::DiffuseModel::kOrenNayar);
-    const RandomObservations all(500, 3, 21);
-    const auto model = Predict(all.observations, scene, {});
-    for (std::size_t i = 0; i < all.points.size(); ++i) {
-      const RandomPoint& p = all.points[i];
-      if (AtKink(scene, p)) continue;
-      const Eigen::Vector3d expected = model::Shade(scene, p.position, p.normal, p.viewer);
-      for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(model[static_cast<std::size_t>(c)][i], expected[c], 3e-6);
-    }
-  }
-}
-
 TEST(RepeatabilityTest, SameBitsForAnyNumberOfThreads) {
   const model::Scene scene =
       RandomScene(2, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
@@ -384,35 +353,6 @@ TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
     all[i]->accumulate(model, pixels, workspace.data(), sums);
     values.push_back(sums.cost);
     EXPECT_EQ(results.front(), values) << all[i]->name;
-  }
-}
-
-TEST(TangentBasisTest, IsOrthonormalAndRightHanded) {
-  const RandomStream random(1, 1);
-  for (std::uint64_t i = 0; i < 100; ++i) {
-    const Eigen::Vector3d u = i == 0 ? Eigen::Vector3d(0, 0, -1) : RandomUnit(random, i);
-    Eigen::Matrix3d full;
-    full << u, model::TangentBasis(u);
-    EXPECT_LT((full.transpose() * full - Eigen::Matrix3d::Identity()).norm(), 1e-14);
-    EXPECT_NEAR(full.determinant(), 1.0, 1e-14);
-  }
-}
-
-TEST(SceneTest, RecentredLightGivesTheSameRadiance) {
-  model::Scene scene = RandomScene(5, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
-  observe::Observations frame;
-  frame.reference = {0.3, -0.2, 0.5};
-  frame.radius = 2.5;
-  const model::Scene solver = ToSolver(scene, frame);
-  const model::Scene back = ToWorld(solver, frame);
-  const RandomStream random(6, 6);
-  for (std::uint64_t i = 0; i < 50; ++i) {
-    const Eigen::Vector3d p = 0.7 * RandomUnit(random, i), n = RandomUnit(random, 1000 + i);
-    const Eigen::Vector3d v = (n + 0.5 * RandomUnit(random, 2000 + i)).normalized();
-    const Eigen::Vector3d expected = model::Shade(scene, p, n, v);
-    EXPECT_LT((model::Shade(solver, (p - frame.reference) / frame.radius, n, v) - expected).norm(),
-              1e-12);
-    EXPECT_LT((model::Shade(back, p, n, v) - expected).norm(), 1e-12);
   }
 }
 

@@ -21,10 +21,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-Vector3d Turned(const Vector3d& u, double degrees) {
-  return (u + std::tan(DegToRad(degrees)) * u.unitOrthogonal()).normalized();
-}
-
 // Everything that is free is off: directions by so many degrees, the rest by tens of per cent.
 model::Scene Off(model::Scene scene, double degrees) {
   for (model::Light& light : scene.lights) {
@@ -166,9 +162,7 @@ TEST(Solver, CostNeverRises) {
   for (std::uint64_t seed = 10; seed < 16; ++seed) {
     const model::Scene truth = TwoLights();
     RandomObservations random(2000, 3, seed, &truth);
-    const RandomStream noise(seed, 9);
-    for (std::size_t i = 0; i < random.observations.used; ++i)
-      random.observations.radiance[1][i] += static_cast<float>(0.02 * noise.Normal(i));
+    AddNoise(0.02, seed, random.observations);
     const Solution s = Solve(random.observations, Off(truth, 25.0), {});
     ASSERT_EQ(s.cost_history.size(), static_cast<std::size_t>(s.iterations) + 1);
     for (std::size_t i = 1; i < s.cost_history.size(); ++i)

@@ -1,5 +1,4 @@
-// Proves: what is near an attached shadow's edge, in closed form, and that it grows with the
-// margin; the parts of a gradient that SplitResiduals gives are those of the parts of the
+// Proves: the parts of a gradient that SplitResiduals gives are those of the parts of the
 // observations, with their complements sum to the whole, and there are as many as the views allow.
 // Does not prove that sigmas made of them cover errors: unknown_errors_test and bench/studies do.
 #include "estimator/uncertainty/residual_splits.h"
@@ -19,13 +18,10 @@ namespace {
 using Eigen::Vector3d;
 
 // With noise, and so with residuals; cut into as many views.
-RandomObservations Noisy(std::size_t views, const model::Scene& truth) {
+RandomObservations InViews(std::size_t views, const model::Scene& truth) {
   RandomObservations random(8 * observe::kTile - 100, 3, 3, &truth);
   observe::Observations& all = random.observations;
-  const RandomStream noise(5, 5);
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t i = 0; i < all.used; ++i)
-      all.radiance[c][i] += static_cast<float>(0.01 * noise.Normal(3 * i + c));
+  AddNoise(0.01, 5, all);
   all.tile_begin.clear();
   for (std::size_t k = 0; k <= views; ++k) all.tile_begin.push_back(k * all.tiles() / views);
   return random;
@@ -40,51 +36,12 @@ Eigen::VectorXd GradientOf(const observe::Observations& all, const solve::Soluti
   return solve::Evaluate(all, solution.scene, options).gradient;
 }
 
-TEST(AwayFromTerminators, LeavesOutExactlyWhatIsNearAnEdge) {
-  constexpr double kChange = 0.0625;  // of the mirrored ray per pixel: exact in bfloat16
-  RandomObservations random(5000, 1, 2);
-  observe::Observations& all = random.observations;
-  for (const std::size_t k : {0u, 4u})
-    std::fill(all.footprint[k].begin(), all.footprint[k].end(), observe::ToBFloat16(kChange));
-  const std::vector<model::Light> lights = TwoLights(0.3, 0.0).lights;
-  std::vector<std::uint8_t> last(all.size(), 1);
-  for (const double margin : {0.0, 1.0, 2.0, 4.0}) {
-    const solve::Plane away = solve::AwayFromTerminators(all, lights, margin);
-    ASSERT_EQ(away->size(), all.size());
-    std::size_t near = 0;
-    for (std::size_t i = 0; i < random.points.size(); ++i) {
-      const RandomPoint& p = random.points[i];
-      // Across a footprint of kChange by kChange the normal turns by so much at most.
-      const double turn = kChange / p.normal.dot(p.viewer);
-      double closest = 1.0;
-      for (const model::Light& light : lights)
-        closest = std::min(
-            closest, std::abs(p.normal.dot(
-                         (light.direction - light.inverse_distance * p.position).normalized())));
-      if (std::abs(closest - 0.5 * margin * turn) > 1e-6) {
-        EXPECT_EQ((*away)[i] == 0, closest < 0.5 * margin * turn) << i << " margin " << margin;
-      }
-      EXPECT_LE((*away)[i], last[i]) << "a larger margin gave one back";
-      near += (*away)[i] == 0 ? 1 : 0;
-    }
-    for (std::size_t i = random.points.size(); i < all.size(); ++i) EXPECT_EQ((*away)[i], 1);
-    EXPECT_EQ(near > 100, margin > 0.0) << margin;
-    last = *away;
-  }
-}
-
-TEST(AwayFromTerminators, NoLightNoEdge) {
-  const RandomObservations random(300, 1, 2);
-  const solve::Plane away = solve::AwayFromTerminators(random.observations, {}, 4.0);
-  EXPECT_EQ(std::count(away->begin(), away->end(), 0), 0);
-}
-
 // One of views from two on, a second from three on; and five that one view has too.
 TEST(SplitResiduals, AsManyHalvesAsTheViewsAllow) {
   const model::Scene truth = TwoLights(0.3, 0.0);
   for (const auto& [views, halves] :
        std::vector<std::pair<std::size_t, std::size_t>>{{1, 5}, {2, 6}, {3, 7}, {4, 7}}) {
-    const RandomObservations random = Noisy(views, truth);
+    const RandomObservations random = InViews(views, truth);
     const solve::Solution solution = solve::Solve(random.observations, truth, {});
     EXPECT_EQ(SplitResiduals(random.observations, solution).halves.size(), halves) << views;
   }
@@ -92,7 +49,7 @@ TEST(SplitResiduals, AsManyHalvesAsTheViewsAllow) {
 
 TEST(SplitResiduals, HalvesAndTheirComplementsAreTheWhole) {
   const model::Scene truth = TwoLights(0.3, 0.0);
-  const RandomObservations random = Noisy(4, truth);
+  const RandomObservations random = InViews(4, truth);
   const observe::Observations& all = random.observations;
   const solve::Solution solution = solve::Solve(all, truth, {});
   ASSERT_EQ(solution.stopped, solve::Stopped::kTolerance);
@@ -137,7 +94,7 @@ TEST(SplitResiduals, HalvesAndTheirComplementsAreTheWhole) {
 
 TEST(SplitResiduals, ClustersAreTheTilesOwnGradients) {
   const model::Scene truth = TwoLights(0.3, 0.0);
-  const RandomObservations random = Noisy(2, truth);
+  const RandomObservations random = InViews(2, truth);
   const observe::Observations& all = random.observations;
   const solve::Solution solution = solve::Solve(all, truth, {});
   const ResidualSplits splits = SplitResiduals(all, solution);
@@ -154,7 +111,7 @@ TEST(SplitResiduals, ClustersAreTheTilesOwnGradients) {
 // through one.
 TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
   const model::Scene truth = TwoLights(0.3, 0.0);
-  const RandomObservations random = Noisy(2, truth);
+  const RandomObservations random = InViews(2, truth);
   const observe::Observations& all = random.observations;
   solve::SolveOptions options;
   options.evaluate.samples_per_side.assign(all.tiles(), 2);
@@ -163,7 +120,7 @@ TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
   const Eigen::VectorXd scale = solution.equations.hessian.diagonal().cwiseSqrt();
   for (Eigen::Index k = 0; k < scale.size(); ++k) {
     EXPECT_LT(std::abs(splits.finer[k]), 1e-4 * scale[k] + 1e-12) << k;
-    EXPECT_LT(std::abs(splits.unmodelled.aperture.mixed[k]), 1e-4 * scale[k] + 1e-12) << k;
+    EXPECT_LT(std::abs(splits.unmodelled.aperture.cross_hessian[k]), 1e-4 * scale[k] + 1e-12) << k;
   }
   EXPECT_EQ(splits.edges.cost, 0.0);
   EXPECT_EQ(splits.edges.gradient.norm(), 0.0);
@@ -171,7 +128,7 @@ TEST(SplitResiduals, PointsHaveNoFootprintToBeWrongAbout) {
 
 TEST(SplitResiduals, ASmoothSurfaceIsAskedWhetherItIsRough) {
   const model::Scene truth = TwoLights(0.3, 0.0);
-  const RandomObservations random = Noisy(2, truth);
+  const RandomObservations random = InViews(2, truth);
   const solve::Solution solution = solve::Solve(random.observations, truth, {});
   const ResidualSplits splits = SplitResiduals(random.observations, solution);
   const int roughness = solve::Columns{3, 2}.RoughnessSquared();

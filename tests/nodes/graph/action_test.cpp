@@ -4,7 +4,7 @@
 
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::ElementsAre;
@@ -221,4 +221,4 @@ TEST(Action, MessagesSurviveTheWire) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -7,7 +7,7 @@
 
 extern std::atomic<std::size_t> counted_allocations;  // counting_new.cpp
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 // Counts its copies; moving it into the message is free.
@@ -93,4 +93,4 @@ TEST(Allocation, AHopAllocatesNothingBeyondItsMessage) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -4,7 +4,7 @@
 
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::AllOf;
@@ -140,4 +140,4 @@ TEST(GraphConfig, LoadsFromAFileAndNamesAMissingOne) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -7,30 +7,30 @@
 #include "nodes/graph/draw.h"
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::HasSubstr;
 
-struct Turn {
+struct NumberAction {
   using Goal = Number;
   using Feedback = Number;
   using Result = Number;
 };
-struct Say {
+struct WordAction {
   using Goal = Word;
   using Feedback = Number;
   using Result = Number;
 };
 
 template <typename Action>
-class Asker : public Node {
+class AnyAsker : public Node {
   Status OnEnd(const ActionOutcome<Action>&) { return {}; }
-  ActionClient<Action> turn_{this, "turn", &Asker::OnEnd};
+  ActionClient<Action> turn_{this, "turn", &AnyAsker::OnEnd};
 };
 class Server : public Node {
   Status OnGoal(const Message<ActionGoal<Number>>&) { return {}; }
-  ActionServer<Turn> turn_{this, "turn", &Server::OnGoal};
+  ActionServer<NumberAction> turn_{this, "turn", &Server::OnGoal};
 };
 class Talker : public Node {
   Output<Word> word_{this, "word", Latch::kYes};
@@ -63,12 +63,12 @@ class Throwing : public Node {
   Throwing() { throw std::runtime_error("no such device"); }
 };
 
-NodeRegistry Nodes() {
+NodeRegistry NodesToConnect() {
   NodeRegistry registry = BasicNodes();
   static Seen seen;
   AddSink(registry, seen);
-  registry.Add<Asker<Turn>>("asker");
-  registry.Add<Asker<Say>>("word-asker");
+  registry.Add<AnyAsker<NumberAction>>("asker");
+  registry.Add<AnyAsker<WordAction>>("word-asker");
   registry.Add<Server>("server");
   registry.Add<Talker>("talker");
   registry.Add<FaultReader>("fault-reader");
@@ -90,7 +90,7 @@ std::string Config(const std::vector<std::string>& nodes,
 }
 std::string Refusal(const std::vector<std::string>& nodes,
                     const std::vector<std::string>& connections, const std::string& rest = "") {
-  return ErrorOf(BuildFrom(Config(nodes, connections, rest), Nodes()));
+  return ErrorOf(BuildFrom(Config(nodes, connections, rest), NodesToConnect()));
 }
 const std::string kCounter = "count: {type: counter, params: {count: 1}}";
 const std::string kDoubler = "twice: {type: doubler}";
@@ -234,8 +234,8 @@ TEST(Connect, NamesMistakesOfANodesAuthor) {
 }
 
 TEST(Connect, ParamsThatANodeDoesNotAskForAreRefused) {
-  auto graph =
-      BuildFrom(Config({"count: {type: counter, params: {count: 1, perod_ms: 2}}"}, {}), Nodes());
+  auto graph = BuildFrom(Config({"count: {type: counter, params: {count: 1, perod_ms: 2}}"}, {}),
+                         NodesToConnect());
   ASSERT_TRUE(graph) << ErrorOf(graph);
   EXPECT_EQ(ErrorOf(graph->Configure()),
             "test.yaml:4: graph/nodes/count/params/perod_ms: unknown key, allowed are count, "
@@ -243,7 +243,7 @@ TEST(Connect, ParamsThatANodeDoesNotAskForAreRefused) {
 }
 
 TEST(Connect, TapsNeedTheTopicAndItsType) {
-  auto graph = BuildFrom(Config({kCounter}, {}), Nodes());
+  auto graph = BuildFrom(Config({kCounter}, {}), NodesToConnect());
   ASSERT_TRUE(graph);
   EXPECT_EQ(ErrorOf(graph->Tap<Number>("count.numbers", [](const Message<Number>&) {})),
             "there is no topic \"count.numbers\", allowed are count.fault, count.number (did you "
@@ -259,7 +259,7 @@ TEST(Draw, ShowsPortsTypesPoliciesAndActions) {
       {"from: count.number, to: twice.in, policy: {keep_last: 3}", "from: ask.turn, to: serve.turn",
        "from: twice.fault, to: r.faults, policy: {keep_last: 1}"},
       "  record: [twice.out]\n");
-  const auto graph = BuildFrom(yaml, Nodes());
+  const auto graph = BuildFrom(yaml, NodesToConnect());
   ASSERT_TRUE(graph) << ErrorOf(graph);
   const std::string text = DrawText(graph->parts());
   EXPECT_THAT(text, HasSubstr("virtual executor, seed 0"));
@@ -278,4 +278,4 @@ TEST(Draw, ShowsPortsTypesPoliciesAndActions) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

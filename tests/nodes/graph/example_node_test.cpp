@@ -10,7 +10,7 @@
 
 using turnlight::Status;
 using turnlight::StrictObject;
-namespace graph = turnlight::graph;
+namespace graph = turnlight::nodes::graph;
 
 // [message]
 // The temperature of the table's motor, in degrees Celsius.
@@ -19,7 +19,7 @@ struct Temperature {
 };
 
 template <>
-struct turnlight::graph::Wire<Temperature> {
+struct turnlight::nodes::graph::Wire<Temperature> {
   static constexpr std::string_view kName = "Temperature";
   static constexpr std::uint32_t kVersion = 1;
   static void Encode(const Temperature& temperature, WireWriter& out) {

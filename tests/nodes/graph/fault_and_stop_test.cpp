@@ -3,7 +3,7 @@
 // prove the same with threads: wall_executor_test.cpp does.
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::ElementsAre;
@@ -275,4 +275,4 @@ graph:
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

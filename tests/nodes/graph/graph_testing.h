@@ -13,7 +13,7 @@
 #include "nodes/graph/log.h"
 #include "tests/temporary_folder.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 
 struct Number {
   double value = 0.0;
@@ -214,4 +214,4 @@ inline const ConnectionReport& ConnectionTo(const RunReport& report, const std::
   return kNone;
 }
 
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -11,7 +11,7 @@
 #include "nodes/graph/crc32c.h"
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::HasSubstr;
@@ -275,4 +275,4 @@ TEST(CompareLogs, NamesMissingMessagesOtherTimesOrderAndHeaders) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

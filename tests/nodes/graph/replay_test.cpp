@@ -5,19 +5,19 @@
 #include "nodes/graph/action.h"
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::HasSubstr;
 
-struct Turn {
+struct TurnForNumber {
   using Goal = Number;
   using Feedback = Number;
   using Result = Number;
 };
 
 // Not a source: asks the table for each number that comes, when it is free, and says what it got.
-class Asker : public Node {
+class TurnSender : public Node {
  public:
   Status WindDown() override {
     said_.Publish(Number{-1000.0 - answers_}, Time(0));
@@ -30,21 +30,21 @@ class Asker : public Node {
     const auto id = turn_.Send(*number, number.header.valid_at, FromMs(40));
     return id ? Status() : Forward(id);
   }
-  Status OnEnd(const ActionOutcome<Turn>& outcome) {
+  Status OnEnd(const ActionOutcome<TurnForNumber>& outcome) {
     ++answers_;
     said_.Publish(Number{outcome.deadline_passed() ? -1.0 : outcome.result().value},
                   outcome.header.valid_at);
     return {};
   }
   int answers_ = 0;
-  Input<Number> in_{this, "in", &Asker::OnNumber};
-  ActionClient<Turn> turn_{this, "turn", &Asker::OnEnd};
+  Input<Number> in_{this, "in", &TurnSender::OnNumber};
+  ActionClient<TurnForNumber> turn_{this, "turn", &TurnSender::OnEnd};
   Output<Number> said_{this, "said"};
 };
 
 // A source: takes as many milliseconds as the goal says, and does not answer every fifth goal at
 // all.
-class Table : public Node {
+class LazyTable : public Node {
  public:
   static inline int started = 0;
   Status Start() override {
@@ -63,16 +63,16 @@ class Table : public Node {
     return {};
   }
   ActionGoal<Number> goal_;
-  Timer timer_{this, "timer", &Table::OnTimer};
-  ActionServer<Turn> turn_{this, "turn", &Table::OnGoal};
+  Timer timer_{this, "timer", &LazyTable::OnTimer};
+  ActionServer<TurnForNumber> turn_{this, "turn", &LazyTable::OnGoal};
 };
 
-NodeRegistry Nodes() {
+NodeRegistry NodesToReplay() {
   static Seen seen;
   NodeRegistry registry = BasicNodes();
   AddSink(registry, seen);
-  registry.Add<Asker>("asker");
-  registry.Add<Table>("table");
+  registry.Add<TurnSender>("asker");
+  registry.Add<LazyTable>("table");
   return registry;
 }
 
@@ -108,21 +108,21 @@ const std::string kAll =
 
 Result<RunReport> ReplayFrom(const std::string& yaml, const std::filesystem::path& log,
                              const RunOptions& options = {}) {
-  auto graph = BuildFrom(yaml, Nodes());
+  auto graph = BuildFrom(yaml, NodesToReplay());
   if (!graph) return Forward(graph);
   return graph->Replay(log, options);
 }
 
 TEST(Replay, GivesTheSameLogByteForByteWithoutRunningTheSources) {
   const TemporaryFolder folder;
-  const RunReport recorded = RunGraph(RigLike(kAll), Nodes(), {.log = folder / "run"});
+  const RunReport recorded = RunGraph(RigLike(kAll), NodesToReplay(), {.log = folder / "run"});
   EXPECT_GT(ConnectionTo(recorded, "slow.in").blocked, 0u);
   EXPECT_GT(ConnectionTo(recorded, "background.in").dropped, 0u);
-  Table::started = 0;
+  LazyTable::started = 0;
   const auto replayed = ReplayFrom(RigLike(kAll), folder / "run", {.log = folder / "replay"});
   ASSERT_TRUE(replayed) << ErrorOf(replayed);
   EXPECT_EQ(replayed->fault_count, 0u);
-  EXPECT_EQ(Table::started, 0);
+  EXPECT_EQ(LazyTable::started, 0);
   const auto difference = CompareLogs(folder / "run", folder / "replay", CompareMode::kExact);
   ASSERT_TRUE(difference) << ErrorOf(difference);
   EXPECT_FALSE(*difference) << (*difference)->text;
@@ -134,7 +134,7 @@ TEST(Replay, GivesTheSameLogByteForByteWithoutRunningTheSources) {
 TEST(Replay, ARunStoppedInTheMiddleIsReplayedToTheSameEnd) {
   for (const StopMode mode : {StopMode::kDrain, StopMode::kNow}) {
     const TemporaryFolder folder;
-    auto graph = BuildFrom(RigLike(kAll), Nodes());
+    auto graph = BuildFrom(RigLike(kAll), NodesToReplay());
     ASSERT_TRUE(graph) << ErrorOf(graph);
     ASSERT_TRUE(graph->Tap<Number>("count.number", [&](const Message<Number>& number) {
       if (number->value == 57) graph->RequestStop(mode);
@@ -151,8 +151,8 @@ TEST(Replay, ARunStoppedInTheMiddleIsReplayedToTheSameEnd) {
 // The test of the test: a node that does not compute the same is found and named.
 TEST(Replay, ADifferentResultIsNamed) {
   const TemporaryFolder folder;
-  RunGraph(RigLike(kAll), Nodes(), {.log = folder / "run"});
-  NodeRegistry other = Nodes();
+  RunGraph(RigLike(kAll), NodesToReplay(), {.log = folder / "run"});
+  NodeRegistry other = NodesToReplay();
   AddCustom(other, "doubler", {.input = [](Custom& node, const Message<Number>& number) {
               node.out.Publish(Number{number->value == 31 ? 0 : 2 * number->value},
                                number.header.valid_at);
@@ -169,7 +169,7 @@ TEST(Replay, ADifferentResultIsNamed) {
 
 TEST(Replay, ALogThatWasCutOffIsReplayedUpToTheCut) {
   const TemporaryFolder folder;
-  RunGraph(RigLike(kAll), Nodes(), {.log = folder / "run"});
+  RunGraph(RigLike(kAll), NodesToReplay(), {.log = folder / "run"});
   std::filesystem::resize_file(folder / "run", std::filesystem::file_size(folder / "run") / 2);
   const auto replayed = ReplayFrom(RigLike(kAll), folder / "run", {.log = folder / "replay"});
   ASSERT_TRUE(replayed) << ErrorOf(replayed);
@@ -191,7 +191,7 @@ graph:
     - {from: twice.out, to: sink.in, policy: block}
   record: [count.number, twice.out]
 )";
-  RunGraph(yaml, Nodes(), {.log = folder / "run"});
+  RunGraph(yaml, NodesToReplay(), {.log = folder / "run"});
   const auto replayed = ReplayFrom(yaml, folder / "run", {.log = folder / "replay"});
   ASSERT_TRUE(replayed) << ErrorOf(replayed);
   const auto difference = CompareLogs(folder / "run", folder / "replay", CompareMode::kContent);
@@ -202,7 +202,7 @@ graph:
 TEST(Replay, RefusesALogThatDoesNotFit) {
   const TemporaryFolder folder;
   const std::string partly = "count.number, blocked.number, twice.out";
-  RunGraph(RigLike(partly), Nodes(), {.log = folder / "run"});
+  RunGraph(RigLike(partly), NodesToReplay(), {.log = folder / "run"});
   EXPECT_THAT(ErrorOf(ReplayFrom(RigLike(partly), folder / "run")),
               HasSubstr("table.turn.feedback is not in the log; a run that is to be replayed must "
                         "have it under record"));
@@ -245,4 +245,4 @@ graph:
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -4,7 +4,7 @@
 #include "base/file.h"
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using testing::ElementsAre;
@@ -313,4 +313,4 @@ graph:
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -8,7 +8,7 @@
 
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 using namespace std::chrono_literals;
@@ -186,33 +186,42 @@ graph:
   EXPECT_EQ(ConnectionTo(*report, "sink.in").discarded, 0u);
 }
 
-TEST(WallExecutor, StopNowFreesABlockedPublisherAndStopsEveryNode) {
+// What the nodes of a graph that is stopped at once did.
+struct StoppedAtOnce {
   Gate entered;
   std::atomic<int> stopped{0};
   std::atomic<bool> blocked_returned{false};
-  NodeRegistry registry;
-  std::optional<Graph> graph;
-  const auto count_stop = [&stopped](Custom&, StopMode mode) {
-    if (mode == StopMode::kNow) ++stopped;
+};
+
+// A node that publishes more than a queue takes, and one that is slow to take it.
+void AddPusherAndStuck(NodeRegistry& registry, StoppedAtOnce& seen) {
+  const auto count_stop = [&seen](Custom&, StopMode mode) {
+    if (mode == StopMode::kNow) ++seen.stopped;
     return Status();
   };
   AddCustom(registry, "pusher",
             {.start =
-                 [&](Custom& node) {
+                 [&seen](Custom& node) {
                    for (int i = 0; i < 10; ++i) node.out.Publish(Number{1}, Time(0));
-                   blocked_returned = true;
+                   seen.blocked_returned = true;
                    return Status();
                  },
              .stop = count_stop});
   AddCustom(registry, "stuck",
             {.input =
-                 [&](Custom&, const Message<Number>&) {
-                   entered.Open();
+                 [&seen](Custom&, const Message<Number>&) {
+                   seen.entered.Open();
                    std::this_thread::sleep_for(30ms);
                    return Status();
                  },
              .stop = count_stop});
-  auto built = BuildFrom(R"(
+}
+
+TEST(WallExecutor, StopNowFreesABlockedPublisherAndStopsEveryNode) {
+  StoppedAtOnce seen;
+  NodeRegistry registry;
+  AddPusherAndStuck(registry, seen);
+  auto graph = BuildFrom(R"(
 graph:
   executor: wall
   nodes:
@@ -222,10 +231,9 @@ graph:
     - {from: pusher.out, to: stuck.in, policy: block, capacity: 2}
 )",
                          registry);
-  ASSERT_TRUE(built) << ErrorOf(built);
-  graph = std::move(*built);
+  ASSERT_TRUE(graph) << ErrorOf(graph);
   std::thread caller([&] {
-    entered.Wait();
+    seen.entered.Wait();
     graph->RequestStop(StopMode::kDrain);
     graph->RequestStop(StopMode::kNow);
   });
@@ -233,8 +241,8 @@ graph:
   caller.join();
   ASSERT_TRUE(report);
   EXPECT_EQ(report->cause, StopCause::kImmediate);
-  EXPECT_EQ(stopped, 2);
-  EXPECT_TRUE(blocked_returned);
+  EXPECT_EQ(seen.stopped, 2);
+  EXPECT_TRUE(seen.blocked_returned);
   EXPECT_GT(ConnectionTo(*report, "stuck.in").discarded, 0u);
   EXPECT_GT(ConnectionTo(*report, "stuck.in").blocked, 0u);
   EXPECT_TRUE(report->hung.empty());
@@ -372,10 +380,17 @@ TEST(WallExecutor, AHeldStopKeepsTimersRunning) {
   EXPECT_EQ(report.cause, StopCause::kRequested);
 }
 
-// Fan-out, a ring, full queues and a stop at any moment: no message is lost or left in an orderly
-// stop, and neither kind of stop ever hangs.
-TEST(WallExecutor, StopsAtAnyMomentWithoutLossOrDeadlock) {
-  const std::string yaml = R"(
+// Two writers and a connection to itself, which sends back every other message.
+class Ring : public Node {
+  Status OnNumber(const Message<Number>& number) {
+    if (number.header.sequence % 2 == 0) out_.Publish(number.value, number.header.valid_at);
+    return {};
+  }
+  Input<Number> in_{this, "in", &Ring::OnNumber, Need::kRequired, Writers::kMany};
+  Output<Number> out_{this, "out"};
+};
+
+constexpr char kFanOutAndRing[] = R"(
 graph:
   executor: wall
   nodes:
@@ -393,15 +408,10 @@ graph:
     - {from: ring.out, to: ring.in, policy: {keep_last: 1}}
     - {from: c.out, to: sink.in, policy: block, capacity: 3}
 )";
-  // Two writers and a connection to itself, which sends back every other message.
-  class Ring : public Node {
-    Status OnNumber(const Message<Number>& number) {
-      if (number.header.sequence % 2 == 0) out_.Publish(number.value, number.header.valid_at);
-      return {};
-    }
-    Input<Number> in_{this, "in", &Ring::OnNumber, Need::kRequired, Writers::kMany};
-    Output<Number> out_{this, "out"};
-  };
+
+// Fan-out, a ring, full queues and a stop at any moment: no message is lost or left in an orderly
+// stop, and neither kind of stop ever hangs.
+TEST(WallExecutor, StopsAtAnyMomentWithoutLossOrDeadlock) {
   for (int round = 0; round < 40; ++round) {
     Seen seen;
     NodeRegistry registry = BasicNodes();
@@ -410,7 +420,7 @@ graph:
     // A source that sends for ever in one handler can only be stopped now; one with a timer in
     // order.
     const bool now = round % 2 == 0;
-    std::string text = yaml;
+    std::string text = kFanOutAndRing;
     if (!now) text.replace(text.find("count: 100000000"), 16, "count: 100000000, period_ms: 0.01");
     auto graph = BuildFrom(text, registry);
     ASSERT_TRUE(graph) << ErrorOf(graph);
@@ -463,4 +473,4 @@ TEST(WallExecutor, ATapMayComeWhileTheGraphRuns) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -5,7 +5,7 @@
 
 #include "tests/nodes/graph/graph_testing.h"
 
-namespace turnlight::graph {
+namespace turnlight::nodes::graph {
 namespace {
 
 std::string Sample() {
@@ -103,4 +103,4 @@ TEST(Queue, KeepLastDropsTheOldestAndFreesIt) {
 }
 
 }  // namespace
-}  // namespace turnlight::graph
+}  // namespace turnlight::nodes::graph

@@ -159,8 +159,8 @@ class CaptureFixture : public testing::Test {
             .bayer = std::nullopt,
             .target = MeshCopy{MeshFormat::kObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
             .format = {{kWidth, kHeight}, 3, CV_16U},
-            .camera_identity = {"Maker", "C", "77"},
-            .table_identity = {"Maker", "T", "5"}};
+            .camera_identity = "Maker, C, 77",
+            .table_identity = "Maker, T, 5"};
   }
 
   RunProvenance Run() {

@@ -17,35 +17,35 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-calib::Radiometry Raw() {
+calib::Radiometry Sensor() {
   calib::Radiometry radiometry;
   radiometry.black = 200.0;
   radiometry.white = 10200.0;
   return radiometry;
 }
 
-cv::Mat Grey(double level, int type = CV_16U) {
+cv::Mat Flat(double level, int type = CV_16U) {
   return cv::Mat(20, 20, type, cv::Scalar::all(200.0 + 10000.0 * level));
 }
 
 TEST(FrameCheck, StatisticsInClosedForm) {
-  cv::Mat image = Grey(0.1, CV_16UC3);
+  cv::Mat image = Flat(0.1, CV_16UC3);
   for (int x = 0; x < 10; ++x) image.at<cv::Vec3w>(3, x) = {10200, 200, 200};
-  const auto found = MeasureFrame(image, Raw());
+  const auto found = MeasureFrame(image, Sensor());
   EXPECT_DOUBLE_EQ(found.saturated_share, 10.0 / 400.0);
   EXPECT_NEAR(found.mean_level, (390 * 0.1 + 10.0 / 3.0) / 400.0, 1e-6);
   EXPECT_NEAR(found.bright_level, 1.0, 1e-6);
   image.at<cv::Vec3w>(3, 0) = image.at<cv::Vec3w>(0, 0);
   for (int x = 4; x < 10; ++x) image.at<cv::Vec3w>(3, x) = image.at<cv::Vec3w>(0, 0);
-  EXPECT_NEAR(MeasureFrame(image, Raw()).bright_level, 0.1, 1e-6);  // 3 of 400 are below 1 %
+  EXPECT_NEAR(MeasureFrame(image, Sensor()).bright_level, 0.1, 1e-6);  // 3 of 400 are below 1 %
 }
 
 TEST(FrameCheck, NotANumberCountsAsSaturated) {
-  cv::Mat image = Grey(0.1, CV_32F);
+  cv::Mat image = Flat(0.1, CV_32F);
   image.at<float>(0, 0) = std::numeric_limits<float>::quiet_NaN();
   image.at<float>(0, 1) = std::numeric_limits<float>::infinity();
   image.at<float>(0, 2) = -std::numeric_limits<float>::infinity();
-  const auto found = MeasureFrame(image, Raw());
+  const auto found = MeasureFrame(image, Sensor());
   EXPECT_DOUBLE_EQ(found.saturated_share, 3.0 / 400.0);
   EXPECT_TRUE(std::isfinite(found.mean_level));
 }
@@ -53,20 +53,20 @@ TEST(FrameCheck, NotANumberCountsAsSaturated) {
 TEST(FrameCheck, Verdicts) {
   const FrameGate gate;
   const std::vector<double> before{0.1, 0.11, 0.09};
-  EXPECT_EQ(CheckFrame(Grey(0.1), Raw(), gate, before).verdict, FrameVerdict::kGood);
-  EXPECT_EQ(CheckFrame(Grey(0.1), Raw(), gate, before).text, "");
-  const auto black = CheckFrame(Grey(0.004), Raw(), gate, {});
+  EXPECT_EQ(CheckFrame(Flat(0.1), Sensor(), gate, before).verdict, FrameVerdict::kGood);
+  EXPECT_EQ(CheckFrame(Flat(0.1), Sensor(), gate, before).text, "");
+  const auto black = CheckFrame(Flat(0.004), Sensor(), gate, {});
   EXPECT_EQ(black.verdict, FrameVerdict::kAllBlack);
   EXPECT_THAT(black.text, AllOf(HasSubstr("0.4 % of white"), HasSubstr("at least 0.5 %")));
-  const auto saturated = CheckFrame(Grey(1.0), Raw(), gate, before);
+  const auto saturated = CheckFrame(Flat(1.0), Sensor(), gate, before);
   EXPECT_EQ(saturated.verdict, FrameVerdict::kSaturated);
   EXPECT_THAT(saturated.text, AllOf(HasSubstr("100 %"), HasSubstr("allowed are 25 %")));
-  const auto off = CheckFrame(Grey(0.04), Raw(), gate, before);
+  const auto off = CheckFrame(Flat(0.04), Sensor(), gate, before);
   EXPECT_EQ(off.verdict, FrameVerdict::kLampOff);
   EXPECT_THAT(off.text, AllOf(HasSubstr("0.4 of the median of the 3"), HasSubstr("0.5 or more")));
-  EXPECT_EQ(CheckFrame(Grey(0.3), Raw(), gate, before).verdict, FrameVerdict::kLampBright);
+  EXPECT_EQ(CheckFrame(Flat(0.3), Sensor(), gate, before).verdict, FrameVerdict::kLampBright);
   // Without enough predecessors nothing is said about the lamp.
-  EXPECT_EQ(CheckFrame(Grey(0.04), Raw(), gate, {0.1, 0.1}).verdict, FrameVerdict::kGood);
+  EXPECT_EQ(CheckFrame(Flat(0.04), Sensor(), gate, {0.1, 0.1}).verdict, FrameVerdict::kGood);
 }
 
 cv::Mat Scene(std::uint64_t seed, int shift) {
@@ -83,27 +83,27 @@ cv::Mat Scene(std::uint64_t seed, int shift) {
 }
 
 TEST(FrameCheck, ClosureSeesAShiftButNotNoise) {
-  const auto same = CompareFrames(Scene(1, 0), Scene(2, 0), Raw());
+  const auto same = CompareFrames(Scene(1, 0), Scene(2, 0), Sensor());
   EXPECT_NEAR(same.noise_rms, 20.0 * std::sqrt(2.0) / 10000.0, 2e-4);
   EXPECT_NEAR(same.Sigmas(), 1.0, 0.1);
   EXPECT_NEAR(static_cast<double>(same.pixels), 3.14 * 25 * 25, 60);
-  EXPECT_GT(CompareFrames(Scene(1, 0), Scene(2, 1), Raw()).Sigmas(), 4.0);
-  EXPECT_EQ(CompareFrames(Scene(1, 0), Scene(1, 0), Raw()).Sigmas(), 0.0);
-  EXPECT_EQ(CompareFrames(Grey(0), Grey(0), Raw()).pixels, 0u);
+  EXPECT_GT(CompareFrames(Scene(1, 0), Scene(2, 1), Sensor()).Sigmas(), 4.0);
+  EXPECT_EQ(CompareFrames(Scene(1, 0), Scene(1, 0), Sensor()).Sigmas(), 0.0);
+  EXPECT_EQ(CompareFrames(Flat(0), Flat(0), Sensor()).pixels, 0u);
 }
 
 TEST(FrameCheck, BlocksSeeWhatIsFarBelowThePixelsNoise) {
   const cv::Mat first = Scene(1, 0);
   cv::Mat brighter;  // by a tenth of the noise
   cv::add(Scene(2, 0), cv::Scalar::all(3.0), brighter);
-  const auto same = CompareFrames(first, Scene(2, 0), Raw());
-  const auto other = CompareFrames(first, brighter, Raw());
+  const auto same = CompareFrames(first, Scene(2, 0), Sensor());
+  const auto other = CompareFrames(first, brighter, Sensor());
   EXPECT_NEAR(same.block_sigmas, 1.0, 0.35);  // of some thirty blocks
   EXPECT_NEAR(same.block_share, 20.0 * std::sqrt(2.0) / 8.0 / 3000.0, 5e-4);
   EXPECT_NEAR(other.Sigmas(), same.Sigmas(), 0.02);
   EXPECT_GT(other.block_sigmas, same.block_sigmas + 0.2);
-  EXPECT_GT(CompareFrames(first, Scene(2, 1), Raw()).block_sigmas, 10.0);
-  EXPECT_EQ(CompareFrames(Grey(0), Grey(0), Raw()).block_sigmas, 0.0);
+  EXPECT_GT(CompareFrames(first, Scene(2, 1), Sensor()).block_sigmas, 10.0);
+  EXPECT_EQ(CompareFrames(Flat(0), Flat(0), Sensor()).block_sigmas, 0.0);
 }
 
 }  // namespace

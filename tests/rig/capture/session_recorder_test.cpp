@@ -260,11 +260,11 @@ TEST_F(SessionRecorderTest, ResumeWantsTheSameCapture) {
   EXPECT_FALSE(fs::exists(root()));
   { StartWith(1); }
   const CaptureSetup setup = setup_;
-  setup_.camera_identity.serial = "78";
+  setup_.camera_identity = Describe({"Maker", "C", "78"});
   EXPECT_THAT(ResumeError(),
               AllOf(HasSubstr("the camera \"Maker, C, 77\""), HasSubstr("\"Maker, C, 78\"")));
   setup_ = setup;
-  setup_.table_identity.model = "T2";
+  setup_.table_identity = Describe({"Maker", "T2", "5"});
   EXPECT_THAT(ResumeError(), HasSubstr("the turntable \"Maker, T, 5\""));
   setup_ = setup;
   setup_.config_text += " ";

@@ -66,25 +66,10 @@ TEST_F(SessionTest, ReferencesComeFromFrameZero) {
   EXPECT_EQ(again->radiometry.reference_gain_db, 6.0);
 }
 
-// Everything that a session can hold, with doubles that have no short decimal.
-TEST_F(SessionTest, WriteThenReadGivesTheSame) {
+// A frame and a session with everything that they can hold, and doubles that have no short decimal.
+FrameRecord FullFrame() {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.0 / 3.0, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-  Session written;
-  written.name = "everything \"quoted\" \xc3\xa9";
-  written.length_unit = "m";
-  written.camera_path = "calibration/left.cameramodel";
-  written.camera = calib::CameraModel::Pinhole(kWidth, kHeight, 20.0 / 3.0, 21.0 / 7.3, 7.1, 5.3);
-  written.radiometry.encoding = calib::Encoding::kGamma;
-  written.radiometry.gamma = 1.0 / 0.45;
-  written.radiometry.black = 64.1;
-  written.radiometry.white = 65000.3;
-  written.radiometry.saturation = 64000.7;
-  written.radiometry.reference_exposure_us = 1.0 / 3.0;
-  written.radiometry.reference_gain_db = -0.1;
-  written.radiometry.white_balance = {1.1, 1.0, 1.0 / 1.7};
-  written.bayer = "GBRG";
-  written.target = calib::PlaneShape{200.1, 150.3, 2};
   FrameRecord frame;
   frame.image = "frames/000.png";
   frame.mask = "frames/mask.png";
@@ -96,7 +81,56 @@ TEST_F(SessionTest, WriteThenReadGivesTheSame) {
   frame.X_WC = {turn, Eigen::Vector3d(0.1, -1e17, 1.0 / 3.0)};
   frame.X_WT = {turn.transpose(), Eigen::Vector3d(-0.0, 5e-324, 0.7)};
   frame.sha256 = std::string(64, 'a');
-  written.frames = {frame, frame};
+  return frame;
+}
+Session FullSession() {
+  Session session;
+  session.name = "everything \"quoted\" \xc3\xa9";
+  session.length_unit = "m";
+  session.camera_path = "calibration/left.cameramodel";
+  session.camera = calib::CameraModel::Pinhole(kWidth, kHeight, 20.0 / 3.0, 21.0 / 7.3, 7.1, 5.3);
+  session.radiometry.encoding = calib::Encoding::kGamma;
+  session.radiometry.gamma = 1.0 / 0.45;
+  session.radiometry.black = 64.1;
+  session.radiometry.white = 65000.3;
+  session.radiometry.saturation = 64000.7;
+  session.radiometry.reference_exposure_us = 1.0 / 3.0;
+  session.radiometry.reference_gain_db = -0.1;
+  session.radiometry.white_balance = {1.1, 1.0, 1.0 / 1.7};
+  session.bayer = "GBRG";
+  session.target = calib::PlaneShape{200.1, 150.3, 2};
+  session.frames = {FullFrame(), FullFrame()};
+  return session;
+}
+
+void ExpectSame(const calib::Radiometry& read, const calib::Radiometry& written) {
+  EXPECT_EQ(read.encoding, written.encoding);
+  EXPECT_EQ(read.gamma, written.gamma);
+  EXPECT_EQ(read.black, written.black);
+  EXPECT_EQ(read.white, written.white);
+  EXPECT_EQ(read.saturation, written.saturation);
+  EXPECT_EQ(read.reference_exposure_us, written.reference_exposure_us);
+  EXPECT_EQ(read.reference_gain_db, written.reference_gain_db);
+  EXPECT_EQ(read.white_balance, written.white_balance);
+}
+
+void ExpectSame(const FrameRecord& read, const FrameRecord& written) {
+  EXPECT_EQ(read.image, written.image);
+  EXPECT_EQ(read.mask, written.mask);
+  EXPECT_EQ(read.validity, written.validity);
+  EXPECT_EQ(read.angle_deg, written.angle_deg);
+  EXPECT_EQ(read.angle_measured_deg, written.angle_measured_deg);
+  EXPECT_EQ(read.exposure.exposure_us, written.exposure.exposure_us);
+  EXPECT_EQ(read.exposure.gain_db, written.exposure.gain_db);
+  EXPECT_TRUE(read.has_gain);
+  EXPECT_EQ(calib::RowsFromPose(read.X_WC), calib::RowsFromPose(written.X_WC));
+  EXPECT_EQ(calib::RowsFromPose(read.X_WT), calib::RowsFromPose(written.X_WT));
+  EXPECT_TRUE(std::signbit(read.X_WT.translation.x()));
+  EXPECT_EQ(read.sha256, written.sha256);
+}
+
+TEST_F(SessionTest, WriteThenReadGivesTheSame) {
+  const Session written = FullSession();
   const auto status = WriteSession(written, root());
   ASSERT_TRUE(status) << status.error().text;
 
@@ -106,32 +140,13 @@ TEST_F(SessionTest, WriteThenReadGivesTheSame) {
   EXPECT_EQ(read->length_unit, written.length_unit);
   EXPECT_EQ(read->camera_path, written.camera_path);
   EXPECT_EQ(read->camera->intrinsics(), written.camera->intrinsics());
-  EXPECT_EQ(read->radiometry.encoding, written.radiometry.encoding);
-  EXPECT_EQ(read->radiometry.gamma, written.radiometry.gamma);
-  EXPECT_EQ(read->radiometry.black, written.radiometry.black);
-  EXPECT_EQ(read->radiometry.white, written.radiometry.white);
-  EXPECT_EQ(read->radiometry.saturation, written.radiometry.saturation);
-  EXPECT_EQ(read->radiometry.reference_exposure_us, written.radiometry.reference_exposure_us);
-  EXPECT_EQ(read->radiometry.reference_gain_db, written.radiometry.reference_gain_db);
-  EXPECT_EQ(read->radiometry.white_balance, written.radiometry.white_balance);
+  ExpectSame(read->radiometry, written.radiometry);
   EXPECT_EQ(read->bayer, written.bayer);
   const auto& plane = std::get<calib::PlaneShape>(read->target);
   EXPECT_EQ(std::tie(plane.width, plane.height), std::tuple(200.1, 150.3));
   EXPECT_EQ(plane.sides, 2);
   ASSERT_EQ(read->frames.size(), 2u);
-  const FrameRecord& back = read->frames[1];
-  EXPECT_EQ(back.image, frame.image);
-  EXPECT_EQ(back.mask, frame.mask);
-  EXPECT_EQ(back.validity, frame.validity);
-  EXPECT_EQ(back.angle_deg, frame.angle_deg);
-  EXPECT_EQ(back.angle_measured_deg, frame.angle_measured_deg);
-  EXPECT_EQ(back.exposure.exposure_us, frame.exposure.exposure_us);
-  EXPECT_EQ(back.exposure.gain_db, frame.exposure.gain_db);
-  EXPECT_TRUE(back.has_gain);
-  EXPECT_EQ(calib::RowsFromPose(back.X_WC), calib::RowsFromPose(frame.X_WC));
-  EXPECT_EQ(calib::RowsFromPose(back.X_WT), calib::RowsFromPose(frame.X_WT));
-  EXPECT_TRUE(std::signbit(back.X_WT.translation.x()));
-  EXPECT_EQ(back.sha256, frame.sha256);
+  ExpectSame(read->frames[1], written.frames[1]);
 
   const std::string bytes = Get("session.json");
   ASSERT_TRUE(WriteSession(*read, root()));

@@ -10,7 +10,7 @@
 
 #include "rig/session/mesh_file.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 const Blob kBlob{40.0, 0.3, 64};
@@ -84,4 +84,4 @@ TEST(Blob, SurvivesAFile) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using std::chrono::milliseconds;
@@ -20,7 +20,7 @@ Result<std::vector<FaultEntry>> Parse(const std::string& yaml, const KeyframeAng
   return ReadFaultScript(StrictObject(*document), angles);
 }
 
-std::string Refusal(const std::string& yaml) {
+std::string RefusalOfScript(const std::string& yaml) {
   const auto entries = Parse(yaml);
   return entries ? "accepted" : entries.error().text;
 }
@@ -65,26 +65,28 @@ TEST(FaultScript, EveryWordReadsBackToItsKind) {
 }
 
 TEST(FaultScript, RefusesByFileLineKeyAndWhatIsAllowed) {
-  EXPECT_EQ(Refusal("{}"), "accepted");
+  EXPECT_EQ(RefusalOfScript("{}"), "accepted");
   EXPECT_THAT(
-      Refusal("list: [{fault: gremlin}]"),
+      RefusalOfScript("list: [{fault: gremlin}]"),
       HasSubstr("f.yaml:1: list/0/fault: \"gremlin\", allowed is one of lost_steps, stall"));
-  EXPECT_THAT(Refusal("list: [{deg: 1}]"), HasSubstr("list/0/fault: this key is missing"));
-  EXPECT_THAT(Refusal("list: [{fault: stall, deg: 1}]"), HasSubstr("unknown key"));
-  EXPECT_THAT(Refusal("list: [{fault: lost_steps, deg: -1}]"), HasSubstr("list/0/deg: -1"));
-  EXPECT_THAT(Refusal("list: [{fault: stall, device: camera}]"),
+  EXPECT_THAT(RefusalOfScript("list: [{deg: 1}]"), HasSubstr("list/0/fault: this key is missing"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: stall, deg: 1}]"), HasSubstr("unknown key"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: lost_steps, deg: -1}]"), HasSubstr("list/0/deg: -1"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: stall, device: camera}]"),
               HasSubstr("allowed is table, as stall is a fault of it"));
-  EXPECT_THAT(Refusal("list: [{fault: unplugged}]"), HasSubstr("device"));
-  EXPECT_THAT(Refusal("list: [{fault: stall, at: {keyframe: 36}}]"), HasSubstr("from 0 to 35"));
-  EXPECT_THAT(Refusal("list: [{fault: stall, at: {keyframe: 3, time_s: 1}}]"),
+  EXPECT_THAT(RefusalOfScript("list: [{fault: unplugged}]"), HasSubstr("device"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: stall, at: {keyframe: 36}}]"),
+              HasSubstr("from 0 to 35"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: stall, at: {keyframe: 3, time_s: 1}}]"),
               HasSubstr("list/0/at: allowed is exactly one of keyframe, angle_deg, time_s"));
-  EXPECT_THAT(Refusal("list: [{fault: stall, at: {}}]"), HasSubstr("exactly one"));
-  EXPECT_THAT(Refusal("list: [{fault: stall, times: 0}]"), HasSubstr("list/0/times"));
-  EXPECT_THAT(Refusal("random: {share: 2}"), HasSubstr("random/share: 2"));
-  EXPECT_THAT(Refusal("random: {share: 1, faults: [gremlin]}"), HasSubstr("a list of any of"));
-  EXPECT_THAT(Refusal("random: {share: 1, faults: stall}"), HasSubstr("a list of any of"));
-  EXPECT_THAT(Refusal("random: {share: 1, faults: []}"), HasSubstr("a list of any of"));
-  EXPECT_THAT(Refusal("fault: stall"), HasSubstr("unknown key"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: stall, at: {}}]"), HasSubstr("exactly one"));
+  EXPECT_THAT(RefusalOfScript("list: [{fault: stall, times: 0}]"), HasSubstr("list/0/times"));
+  EXPECT_THAT(RefusalOfScript("random: {share: 2}"), HasSubstr("random/share: 2"));
+  EXPECT_THAT(RefusalOfScript("random: {share: 1, faults: [gremlin]}"),
+              HasSubstr("a list of any of"));
+  EXPECT_THAT(RefusalOfScript("random: {share: 1, faults: stall}"), HasSubstr("a list of any of"));
+  EXPECT_THAT(RefusalOfScript("random: {share: 1, faults: []}"), HasSubstr("a list of any of"));
+  EXPECT_THAT(RefusalOfScript("fault: stall"), HasSubstr("unknown key"));
 }
 
 TEST(FaultScript, StrikesAtItsAngleAndOnlySoOften) {
@@ -165,4 +167,4 @@ TEST(FaultScript, RandomPartDrawsOnlyWhatIsListed) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using std::chrono::microseconds;
@@ -138,8 +138,8 @@ TEST(MockCamera, TheTruthCountsNotTheReport) {
 
 TEST(MockCamera, OrbitAndTableSeeTheTargetFromTheSameSide) {
   // One turn of the table and the opposite of the orbit differ in the lights alone.
-  const Placement table = PlaceAt({MotionKind::kTable, 1, 0.0, 420.0, 30.0, 0.0}, 40.0);
-  const Placement orbit = PlaceAt({MotionKind::kOrbit, 1, 0.0, 420.0, 30.0, 0.0}, -40.0);
+  const calib::RigPoses table = PlaceAt({MotionKind::kTable, 1, 0.0, 420.0, 30.0, 0.0}, 40.0);
+  const calib::RigPoses orbit = PlaceAt({MotionKind::kOrbit, 1, 0.0, 420.0, 30.0, 0.0}, -40.0);
   const calib::Pose a = table.X_WT.Inverse() * table.X_WC, b = orbit.X_WT.Inverse() * orbit.X_WC;
   EXPECT_NEAR((a.rotation - b.rotation).norm(), 0.0, 1e-12);
   EXPECT_NEAR((a.translation - b.translation).norm(), 0.0, 1e-9);
@@ -462,4 +462,4 @@ TEST(MockCamera, UnpluggedFailsUntilOpenedAgain) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <thread>
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using std::chrono::milliseconds;
@@ -19,8 +19,8 @@ using std::chrono::seconds;
 using ::testing::HasSubstr;
 
 // A table under test and the time it lives in.
-struct Bench {
-  explicit Bench(MockTurntableConfig config = {}, std::vector<FaultEntry> entries = {})
+struct TableBench {
+  explicit TableBench(MockTurntableConfig config = {}, std::vector<FaultEntry> entries = {})
       : faults(std::make_shared<FaultScript>(std::move(entries))), table(config, faults) {}
 
   TableState State() {
@@ -72,7 +72,7 @@ MockTurntableConfig OpenLoop() {
   return config;
 }
 
-FaultEntry FaultAt(FaultKind kind, double angle_deg) {
+FaultEntry TableFaultAt(FaultKind kind, double angle_deg) {
   FaultEntry entry = MakeFault(kind);
   entry.angle_deg = angle_deg;
   return entry;
@@ -111,7 +111,7 @@ TEST(TrapezoidalProfile, SpeedAndAccelerationStayWithinTheirLimits) {
 }
 
 TEST(MockTurntable, MovesAlongItsProfileAndAnyInstantCanBeAskedAgain) {
-  Bench bench(Rigid());
+  TableBench bench(Rigid());
   bench.Start();
   const DeviceTime begin = bench.now;
   EXPECT_EQ(bench.Move(90.0).angle_deg, 90.0);
@@ -130,7 +130,7 @@ TEST(MockTurntable, MovesAlongItsProfileAndAnyInstantCanBeAskedAgain) {
 TEST(MockTurntable, TruthIsContinuousOverMovesReversalsAndSwings) {
   MockTurntableConfig config;
   config.backlash_deg = 0.3;
-  Bench bench(config);
+  TableBench bench(config);
   bench.Start();
   const DeviceTime begin = bench.now;
   for (const double angle_deg : {10.0, 4.0, 4.1, 4.0, 30.0}) bench.Move(angle_deg);
@@ -145,7 +145,7 @@ TEST(MockTurntable, TruthIsContinuousOverMovesReversalsAndSwings) {
 TEST(MockTurntable, GoesInWholeSteps) {
   MockTurntableConfig config = Rigid();
   config.steps_per_deg = 3.0;
-  Bench bench(config);
+  TableBench bench(config);
   bench.Start();
   EXPECT_EQ(bench.Move(10.0).angle_deg, 10.0);
   EXPECT_EQ(bench.Move(10.1).angle_deg, 10.0);
@@ -157,7 +157,7 @@ TEST(MockTurntable, GoesInWholeSteps) {
 TEST(MockTurntable, PlatterLagsByTheBacklashAfterAReversal) {
   MockTurntableConfig config = Rigid();
   config.backlash_deg = 0.5;
-  Bench bench(config);
+  TableBench bench(config);
   bench.Start();
   bench.Move(20.0);
   EXPECT_EQ(bench.True(), 20.0);
@@ -174,7 +174,7 @@ TEST(MockTurntable, PlatterLagsByTheBacklashAfterAReversal) {
 TEST(MockTurntable, HomingTakesUpTheBacklash) {
   MockTurntableConfig config = Rigid();
   config.backlash_deg = 5.0;
-  Bench bench(config);
+  TableBench bench(config);
   bench.Start();
   bench.Move(20.0);
   bench.Move(10.0);
@@ -194,7 +194,7 @@ TEST(MockTurntable, SwingsOnArrivalAndThenStandsExactly) {
   MockTurntableConfig config;
   config.settle_amplitude_deg = 0.05;
   config.settle_ms = 200.0;
-  Bench bench(config);
+  TableBench bench(config);
   bench.Start();
   bench.Move(30.0);
   double early = 0.0, late = 0.0;
@@ -212,7 +212,7 @@ TEST(MockTurntable, SwingsOnArrivalAndThenStandsExactly) {
 TEST(MockTurntable, RestingAngleDependsOnTheStepsAlone) {
   MockTurntableConfig config;
   config.steps_per_deg = 88.8;
-  Bench straight(config), wandering(config);
+  TableBench straight(config), wandering(config);
   straight.Start();
   wandering.Start();
   straight.Move(70.0);
@@ -224,7 +224,7 @@ TEST(MockTurntable, IsUnhomedUntilItHasMetItsSwitch) {
   MockTurntableConfig config;
   config.power_on_deg = 100.0;
   config.home_switch_deg = 30.0;
-  Bench bench(config);
+  TableBench bench(config);
   EXPECT_FALSE(bench.table.State(bench.now));
   EXPECT_FALSE(bench.table.Home(bench.now));
   ASSERT_TRUE(bench.table.Open(bench.now));
@@ -247,7 +247,7 @@ TEST(MockTurntable, IsUnhomedUntilItHasMetItsSwitch) {
 }
 
 TEST(MockTurntable, RefusesToMoveWhileMovingAndOutOfRange) {
-  Bench bench;
+  TableBench bench;
   bench.Start();
   EXPECT_FALSE(bench.table.MoveTo(std::nan(""), bench.now));
   EXPECT_FALSE(bench.table.MoveTo(1e9, bench.now));
@@ -263,7 +263,7 @@ TEST(MockTurntable, HaltStopsAtOnceAndOnlyAnEncoderKnowsWhere) {
   for (const TableFeedback feedback : {TableFeedback::kEncoder, TableFeedback::kOpenLoop}) {
     MockTurntableConfig config = Rigid();
     config.feedback = feedback;
-    Bench bench(config);
+    TableBench bench(config);
     bench.Start();
     const DeviceTime begin = bench.now;
     ASSERT_TRUE(bench.table.MoveTo(90.0, bench.now));
@@ -282,7 +282,7 @@ TEST(MockTurntable, HaltStopsAtOnceAndOnlyAnEncoderKnowsWhere) {
       EXPECT_FALSE(bench.table.MoveTo(90.0, bench.now));
     }
   }
-  Bench idle;
+  TableBench idle;
   idle.Start();
   idle.Move(5.0);
   ASSERT_TRUE(idle.table.Halt(idle.now));
@@ -292,7 +292,7 @@ TEST(MockTurntable, HaltStopsAtOnceAndOnlyAnEncoderKnowsWhere) {
 TEST(MockTurntable, AWrongScaleIsInvisibleToTheController) {
   MockTurntableConfig config = Rigid();
   config.scale = -1.01;
-  Bench bench(config);
+  TableBench bench(config);
   bench.Start();
   EXPECT_EQ(bench.Move(100.0).angle_deg, 100.0);
   EXPECT_NEAR(bench.True(), -101.0, 1e-9);
@@ -301,7 +301,7 @@ TEST(MockTurntable, AWrongScaleIsInvisibleToTheController) {
 }
 
 TEST(MockTurntable, LostStepsShowOnlyWithAnEncoderAndEndWithHoming) {
-  Bench encoder(Rigid(), {FaultAt(FaultKind::kLostSteps, 20.0)});
+  TableBench encoder(Rigid(), {TableFaultAt(FaultKind::kLostSteps, 20.0)});
   encoder.Start();
   encoder.Move(10.0);
   EXPECT_EQ(encoder.True(), 10.0);
@@ -310,7 +310,7 @@ TEST(MockTurntable, LostStepsShowOnlyWithAnEncoderAndEndWithHoming) {
   EXPECT_EQ(encoder.Move(20.0).angle_deg, 20.0);  // the fault is spent
   EXPECT_EQ(encoder.True(), 20.0);
 
-  Bench open_loop(OpenLoop(), {FaultAt(FaultKind::kLostSteps, 20.0)});
+  TableBench open_loop(OpenLoop(), {TableFaultAt(FaultKind::kLostSteps, 20.0)});
   open_loop.Start();
   EXPECT_EQ(open_loop.Move(20.0).angle_deg, 20.0);
   EXPECT_EQ(open_loop.True(), 19.0);
@@ -322,7 +322,7 @@ TEST(MockTurntable, LostStepsShowOnlyWithAnEncoderAndEndWithHoming) {
 }
 
 TEST(MockTurntable, AStallIsNoticedOnlyWithAnEncoder) {
-  Bench encoder(Rigid(), {FaultAt(FaultKind::kStall, 20.0)});
+  TableBench encoder(Rigid(), {TableFaultAt(FaultKind::kStall, 20.0)});
   encoder.Start();
   const TableState state = encoder.Move(20.0);
   EXPECT_EQ(state.motion, TableMotion::kUnhomed);
@@ -333,7 +333,7 @@ TEST(MockTurntable, AStallIsNoticedOnlyWithAnEncoder) {
   EXPECT_EQ(encoder.Move(20.0).angle_deg, 20.0);
   EXPECT_EQ(encoder.True(), 20.0);
 
-  Bench open_loop(OpenLoop(), {FaultAt(FaultKind::kStall, 20.0)});
+  TableBench open_loop(OpenLoop(), {TableFaultAt(FaultKind::kStall, 20.0)});
   open_loop.Start();
   EXPECT_EQ(open_loop.Move(20.0).motion, TableMotion::kIdle);
   EXPECT_EQ(open_loop.State().angle_deg, 20.0);
@@ -341,8 +341,8 @@ TEST(MockTurntable, AStallIsNoticedOnlyWithAnEncoder) {
 }
 
 TEST(MockTurntable, ALateArrivalIsReportedAsMoving) {
-  Bench plain(Rigid()), late(Rigid(), {FaultAt(FaultKind::kLateArrival, 20.0)});
-  for (Bench* bench : {&plain, &late}) {
+  TableBench plain(Rigid()), late(Rigid(), {TableFaultAt(FaultKind::kLateArrival, 20.0)});
+  for (TableBench* bench : {&plain, &late}) {
     bench->Start();
     bench->Move(20.0);
     EXPECT_EQ(bench->True(), 20.0);
@@ -353,7 +353,7 @@ TEST(MockTurntable, ALateArrivalIsReportedAsMoving) {
 }
 
 TEST(MockTurntable, AWrongPositionIsReportedUntilTheNextMove) {
-  Bench bench(Rigid(), {FaultAt(FaultKind::kWrongPosition, 20.0)});
+  TableBench bench(Rigid(), {TableFaultAt(FaultKind::kWrongPosition, 20.0)});
   bench.Start();
   EXPECT_EQ(bench.Move(20.0).angle_deg, 21.0);
   EXPECT_EQ(bench.True(), 20.0);
@@ -362,7 +362,7 @@ TEST(MockTurntable, AWrongPositionIsReportedUntilTheNextMove) {
 
 TEST(MockTurntable, AlarmAndResetStopHalfWayUntilHomed) {
   for (const FaultKind kind : {FaultKind::kAlarm, FaultKind::kReset}) {
-    Bench bench(Rigid(), {FaultAt(kind, 20.0)});
+    TableBench bench(Rigid(), {TableFaultAt(kind, 20.0)});
     bench.Start();
     const TableState state = bench.Move(20.0);
     EXPECT_EQ(state.motion,
@@ -377,7 +377,7 @@ TEST(MockTurntable, AlarmAndResetStopHalfWayUntilHomed) {
 }
 
 TEST(MockTurntable, AHomingThatNeverEndsCanBeHalted) {
-  Bench bench(Rigid(), {MakeFault(FaultKind::kNeverHomes)});
+  TableBench bench(Rigid(), {MakeFault(FaultKind::kNeverHomes)});
   ASSERT_TRUE(bench.table.Open(bench.now));
   ASSERT_TRUE(bench.table.Home(bench.now));
   bench.now += seconds(1000);
@@ -395,7 +395,7 @@ TEST(MockTurntable, AHomingThatNeverEndsCanBeHalted) {
 TEST(MockTurntable, UnpluggedFailsUntilOpenedAgainAndIsUnhomedThen) {
   FaultEntry entry = MakeFault(FaultKind::kUnplugged);
   entry.from = seconds(60);
-  Bench bench(Rigid(), {entry});
+  TableBench bench(Rigid(), {entry});
   bench.Start();
   bench.Move(20.0);
   bench.now = seconds(60);
@@ -414,7 +414,7 @@ TEST(MockTurntable, UnpluggedFailsUntilOpenedAgainAndIsUnhomedThen) {
 }
 
 TEST(MockTurntable, CreepsByItselfAndTheControllerKnows) {
-  Bench bench(Rigid());
+  TableBench bench(Rigid());
   bench.Start();
   bench.Move(20.0);
   bench.table.Creep(0.5, bench.now + milliseconds(10), milliseconds(8));
@@ -430,7 +430,7 @@ TEST(MockTurntable, CreepsByItselfAndTheControllerKnows) {
 }
 
 TEST(MockTurntable, TruthCanBeAskedWhileAnotherThreadMovesIt) {
-  Bench bench;
+  TableBench bench;
   bench.Start();
   const DeviceTime begin = bench.now;
   std::atomic<bool> done = false;
@@ -449,4 +449,4 @@ TEST(MockTurntable, TruthCanBeAskedWhileAnotherThreadMovesIt) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

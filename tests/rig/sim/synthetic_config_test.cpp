@@ -10,7 +10,7 @@
 
 #include "base/angles.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using ::testing::AllOf;
@@ -187,4 +187,4 @@ TEST(SyntheticConfig, AMissingFileIsNamed) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

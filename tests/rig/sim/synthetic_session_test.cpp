@@ -17,7 +17,7 @@
 #include "rig/session/session.h"
 #include "tests/temporary_folder.h"
 
-namespace turnlight::rig {
+namespace turnlight::rig::sim {
 namespace {
 
 using ::testing::ElementsAre;
@@ -305,4 +305,4 @@ TEST(SyntheticSession, AnInvalidConfigIsRefused) {
 }
 
 }  // namespace
-}  // namespace turnlight::rig
+}  // namespace turnlight::rig::sim

@@ -1,0 +1,23 @@
+// What a capture is to do, known only once its devices are open and its folder is locked: a graph
+// is built, and so checked, before that.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rig/capture/capture_plan.h"
+#include "rig/capture/session_recorder.h"
+
+namespace turnlight::nodes {
+
+// Filled in before the graph runs, and then left alone.
+struct CaptureWork {
+  std::vector<rig::PlannedFrame> frames;           // still to be taken, in order
+  std::shared_ptr<rig::SessionRecorder> recorder;  // null: nothing is stored
+  // Of each fault, on the logger's thread; must not throw.
+  std::function<void(const std::string& line)> log_line = [](const std::string&) {};
+};
+
+}  // namespace turnlight::nodes

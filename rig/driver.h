@@ -1,0 +1,31 @@
+// What a driver makes of its part of a config: a device behind its interface of rig/device.h, not
+// yet open, and what a plan has to know of it without opening it. docs/drivers.md shows how to add
+// one.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "rig/capture/capture_plan.h"
+#include "rig/device.h"
+
+namespace turnlight::rig {
+
+struct TableDevice {
+  std::shared_ptr<Turntable> turntable;
+  TableKinematics kinematics;
+};
+
+struct CameraDevice {
+  std::shared_ptr<Camera> camera;
+  // Of every picture; a camera that cannot give it fails to open.
+  PictureFormat format;
+  std::optional<std::string> bayer;     // RGGB, BGGR, GRBG or GBRG, of a mosaic of one channel
+  std::array<int, 2> roi_offset{0, 0};  // of the picture's first pixel on the sensor, unbinned
+  std::array<int, 2> binning{1, 1};     // pixels of the sensor per picture's, across and down
+  double readout_s = 0.05;              // from the end of an exposure to its picture, about
+};
+
+}  // namespace turnlight::rig

@@ -1,0 +1,316 @@
+#include "rig/rig_calibration.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "base/file.h"
+#include "base/sha256.h"
+#include "rig/session/session_fields.h"
+
+namespace turnlight::rig {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+using Covariance = std::optional<Eigen::MatrixXd>;
+
+constexpr char kFormat[] = "turnlight-rig-calibration";
+constexpr std::uint64_t kMaxFileBytes = 16 << 20;
+// Sums of products differ by their order.
+constexpr double kSymmetryTolerance = 1e-9;
+
+void ReadUnit(StrictObject& object, const std::string& unit) {
+  if (object.String("unit") != unit && object.ok())
+    object.Refuse("unit", "\"" + unit + "\", the unit of this number in this file");
+}
+
+Covariance ReadCovariance(StrictObject& object, Eigen::Index size) {
+  if (object.Raw("covariance").is_null()) return std::nullopt;
+  const auto count = static_cast<std::size_t>(size);
+  const std::vector<double> rows = object.Matrix("covariance", count, count);
+  Eigen::MatrixXd matrix(size, size);
+  for (Eigen::Index r = 0; r < size; ++r)
+    for (Eigen::Index c = 0; c < size; ++c)
+      matrix(r, c) = rows[static_cast<std::size_t>(r * size + c)];
+  if (!object.ok()) return std::nullopt;
+  if ((matrix.diagonal().array() < 0.0).any())
+    object.RefuseText("covariance", "a variance is negative, allowed is 0 or more");
+  for (Eigen::Index r = 0; r < size; ++r)
+    for (Eigen::Index c = 0; c < r; ++c)
+      if (std::abs(matrix(r, c) - matrix(c, r)) >
+          kSymmetryTolerance * std::sqrt(matrix(r, r) * matrix(c, c)))
+        object.RefuseText("covariance", "rows and columns differ, allowed is a symmetric matrix");
+  return matrix;
+}
+
+Status ReadLens(StrictObject object, const fs::path& folder,
+                std::optional<calib::CameraModel>& lens, Covariance& covariance) {
+  const std::string path = object.String("path");
+  const std::string sha256 = object.String("sha256");
+  if (object.ok() && !IsSha256(sha256)) object.Refuse("sha256", "64 lower-case hexadecimal digits");
+  ReadUnit(object, "pixel");
+  if (!object.ok()) return object.Finish();
+  const auto text = ReadFile(folder / path, kMaxFileBytes);
+  if (!text) return InputError(object.Where("path") + ": " + text.error().text);
+  if (Sha256Hex(*text) != sha256)
+    return InputError(object.Where("sha256") + ": \"" + sha256 + "\", " + (folder / path).string() +
+                      " has \"" + Sha256Hex(*text) +
+                      "\"; allowed is the file that the calibration was made with");
+  auto model = calib::CameraModel::FromString(*text, (folder / path).string());
+  if (!model) return Forward(model);
+  covariance = ReadCovariance(object, static_cast<Eigen::Index>(model->intrinsics().size()));
+  lens = std::move(*model);
+  return object.Finish();
+}
+
+Status ReadPoseObject(StrictObject object, const std::string& unit, calib::Pose& pose,
+                      Covariance& covariance) {
+  pose = ReadPose(object, "value");
+  ReadUnit(object, unit);
+  covariance = ReadCovariance(object, 6);
+  return object.Finish();
+}
+
+Status ReadNumberObject(StrictObject object, const std::string& unit, double& value,
+                        Covariance& covariance) {
+  value = object.Number("value");
+  ReadUnit(object, unit);
+  covariance = ReadCovariance(object, 1);
+  return object.Finish();
+}
+
+Status ReadNoise(StrictObject object, SensorNoise& noise) {
+  noise.read_noise_dn = object.Number("read_noise_dn", {.min = 0.0});
+  noise.dn_per_electron = object.Number("dn_per_electron", {.min = 0.0});
+  noise.black_limit_dn = object.OptionalNumber("black_limit_dn");
+  return object.Finish();
+}
+
+Status ReadRadiometryObject(StrictObject object, RigCalibration& calibration) {
+  if (Status status = ReadRadiometry(object, calibration.radiometry); !status) return status;
+  ReadUnit(object, "DN");
+  if (const auto noise = object.OptionalObject("noise"))
+    if (Status status = ReadNoise(*noise, calibration.noise); !status) return status;
+  calibration.covariances.radiometry = ReadCovariance(object, 2);
+  return object.Finish();
+}
+
+DeviceIdentity ReadDevice(StrictObject& object) {
+  DeviceIdentity device;
+  device.vendor = object.String("vendor");
+  device.model = object.String("model");
+  device.serial = object.String("serial");
+  return device;
+}
+
+std::array<int, 2> ReadPair(StrictObject& object, const char* key, double min,
+                            std::array<int, 2> value) {
+  const auto pair = object.OptionalNumbers(key, 2, {.min = min, .max = 65536.0});
+  if (!pair) return value;
+  for (std::size_t i = 0; i < 2; ++i) value[i] = static_cast<int>((*pair)[i]);
+  if (value[0] != (*pair)[0] || value[1] != (*pair)[1])
+    object.Refuse(key, "a list of 2 whole numbers");
+  return value;
+}
+
+Status ReadDevices(StrictObject object, CalibratedDevices& devices) {
+  StrictObject camera = object.Object("camera"), table = object.Object("table");
+  devices.lens = object.OptionalString("lens").value_or("");
+  if (Status status = object.Finish(); !status) return status;
+  devices.camera = ReadDevice(camera);
+  camera.Numbers("resolution", 2);  // it must be there
+  const auto size = ReadPair(camera, "resolution", 1.0, {1, 1});
+  devices.resolution = {size[0], size[1]};
+  devices.roi_offset = ReadPair(camera, "roi_offset", 0.0, devices.roi_offset);
+  devices.binning = ReadPair(camera, "binning", 1.0, devices.binning);
+  if (Status status = camera.Finish(); !status) return status;
+  devices.table = ReadDevice(table);
+  return table.Finish();
+}
+
+// What the parts say together.
+Status CheckTogether(const RigCalibration& calibration) {
+  if (calibration.geometry.angle_scale == 0.0)
+    return InputError(calibration.source + ": angle_scale/value: 0, allowed is any other number");
+  const cv::Size size(calibration.lens.width(), calibration.lens.height());
+  const cv::Size& resolution = calibration.devices.resolution;
+  if (resolution == size) return {};
+  return InputError(calibration.source +
+                    ": identity/camera/resolution: " + std::to_string(resolution.width) + " x " +
+                    std::to_string(resolution.height) + ", allowed is the camera model's, " +
+                    std::to_string(size.width) + " x " + std::to_string(size.height));
+}
+
+Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
+  const std::string unit = object.OptionalString("length_unit").value_or("mm");
+  if (!IsWord(unit)) object.Refuse("length_unit", "a word without spaces, such as \"mm\"");
+  StrictObject camera_model = object.Object("camera_model"), X_WC = object.Object("X_WC"),
+               X_WA = object.Object("X_WA"), X_AT = object.Object("X_AT"),
+               scale = object.Object("angle_scale"), offset = object.Object("angle_offset"),
+               radiometry = object.Object("radiometry"), identity = object.Object("identity");
+  Status status = object.Finish();
+  std::optional<calib::CameraModel> lens;
+  CalibrationCovariances sigma;
+  if (status) status = ReadLens(camera_model, folder, lens, sigma.camera_model);
+  if (!status) return Forward(status);
+  RigCalibration calibration(std::move(*lens));
+  calibration.length_unit = unit;
+  calibration.covariances = std::move(sigma);
+  calibration.source = object.Where("");
+  CalibrationCovariances& known = calibration.covariances;
+  calib::TurntableGeometry& geometry = calibration.geometry;
+  status = ReadPoseObject(X_WC, unit, geometry.X_WC, known.X_WC);
+  if (status) status = ReadPoseObject(X_WA, unit, geometry.X_WA, known.X_WA);
+  if (status) status = ReadPoseObject(X_AT, unit, geometry.X_AT, known.X_AT);
+  if (status) status = ReadNumberObject(scale, "deg/deg", geometry.angle_scale, known.angle_scale);
+  if (status)
+    status = ReadNumberObject(offset, "deg", geometry.angle_offset_deg, known.angle_offset);
+  if (status) status = ReadRadiometryObject(radiometry, calibration);
+  if (status) status = ReadDevices(identity, calibration.devices);
+  if (status) status = CheckTogether(calibration);
+  if (!status) return Forward(status);
+  return calibration;
+}
+
+void AddCovariance(ordered_json& object, const Covariance& covariance) {
+  if (!covariance) return;
+  ordered_json rows = ordered_json::array();
+  for (Eigen::Index r = 0; r < covariance->rows(); ++r) {
+    rows.push_back(ordered_json::array());
+    for (Eigen::Index c = 0; c < covariance->cols(); ++c)
+      rows.back().push_back((*covariance)(r, c));
+  }
+  object["covariance"] = rows;
+}
+
+ordered_json PrintValue(ordered_json value, const std::string& unit, const Covariance& covariance) {
+  ordered_json object{{"value", std::move(value)}, {"unit", unit}};
+  AddCovariance(object, covariance);
+  return object;
+}
+
+ordered_json PrintRadiometryObject(const RigCalibration& calibration) {
+  const calib::Radiometry& radiometry = calibration.radiometry;
+  ordered_json object = PrintRadiometryCore(radiometry);
+  if (radiometry.reference_exposure_us)
+    object["reference_exposure_us"] = *radiometry.reference_exposure_us;
+  if (radiometry.reference_gain_db) object["reference_gain_db"] = *radiometry.reference_gain_db;
+  object["white_balance"] = radiometry.white_balance;
+  object["unit"] = "DN";
+  object["noise"] = {{"read_noise_dn", calibration.noise.read_noise_dn},
+                     {"dn_per_electron", calibration.noise.dn_per_electron}};
+  if (calibration.noise.black_limit_dn)
+    object["noise"]["black_limit_dn"] = *calibration.noise.black_limit_dn;
+  AddCovariance(object, calibration.covariances.radiometry);
+  return object;
+}
+
+ordered_json PrintDevice(const DeviceIdentity& device) {
+  return {{"vendor", device.vendor}, {"model", device.model}, {"serial", device.serial}};
+}
+
+ordered_json PrintDevices(const CalibratedDevices& devices) {
+  ordered_json camera = PrintDevice(devices.camera);
+  camera["resolution"] = std::array{devices.resolution.width, devices.resolution.height};
+  camera["roi_offset"] = devices.roi_offset;
+  camera["binning"] = devices.binning;
+  return {{"camera", camera}, {"table", PrintDevice(devices.table)}, {"lens", devices.lens}};
+}
+
+std::string PrintCalibration(const RigCalibration& calibration, const std::string& lens_path,
+                             const std::string& lens_text) {
+  const calib::TurntableGeometry& geometry = calibration.geometry;
+  const CalibrationCovariances& known = calibration.covariances;
+  const std::string& unit = calibration.length_unit;
+  ordered_json lens{{"path", lens_path}, {"sha256", Sha256Hex(lens_text)}, {"unit", "pixel"}};
+  AddCovariance(lens, known.camera_model);
+  const std::pair<const char*, ordered_json> parts[] = {
+      {"format", kFormat},
+      {"version", 1},
+      {"length_unit", unit},
+      {"camera_model", lens},
+      {"X_WC", PrintValue(PrintPose(geometry.X_WC), unit, known.X_WC)},
+      {"X_WA", PrintValue(PrintPose(geometry.X_WA), unit, known.X_WA)},
+      {"X_AT", PrintValue(PrintPose(geometry.X_AT), unit, known.X_AT)},
+      {"angle_scale", PrintValue(geometry.angle_scale, "deg/deg", known.angle_scale)},
+      {"angle_offset", PrintValue(geometry.angle_offset_deg, "deg", known.angle_offset)},
+      {"radiometry", PrintRadiometryObject(calibration)},
+      {"identity", PrintDevices(calibration.devices)}};
+  std::string text;
+  for (const auto& [key, value] : parts)
+    text += (text.empty() ? "{\n \"" : ",\n \"") + std::string(key) + "\": " + value.dump();
+  return text + "\n}\n";
+}
+
+std::string ShowPair(int a, int b) { return std::to_string(a) + " x " + std::to_string(b); }
+
+}  // namespace
+
+Result<RigCalibration> ReadRigCalibration(const fs::path& path) {
+  const auto text = ReadFile(path, kMaxFileBytes);
+  if (!text) return Forward(text);
+  const auto document = ParseJson(*text, path.string());
+  if (!document) return Forward(document);
+  StrictObject object(*document);
+  object.Choice("format", {kFormat});
+  if (object.Integer("version", INT64_MIN, INT64_MAX) != 1 && object.ok())
+    object.Refuse("version", "1, the version that this program reads");
+  if (!object.ok()) return Forward(object.Finish());
+  return ReadKeys(object, path.parent_path());
+}
+
+Result<RigCalibration> ReadRigCalibration(StrictObject object, const fs::path& folder) {
+  return ReadKeys(object, folder);
+}
+
+Status WriteRigCalibration(const RigCalibration& calibration, const fs::path& path) {
+  const std::string lens = calibration.lens.ToString();
+  const fs::path lens_path = fs::path(path).replace_extension(".cameramodel");
+  if (Status status = WriteFileAtomic(lens_path, lens); !status) return status;
+  return WriteFileAtomic(path, PrintCalibration(calibration, lens_path.filename().string(), lens));
+}
+
+Status CheckPictures(const RigCalibration& calibration, const CameraDevice& camera) {
+  const CalibratedDevices& made = calibration.devices;
+  const cv::Size& size = camera.format.size;
+  const std::pair<const char*, std::pair<std::string, std::string>> parts[] = {
+      {"resolution",
+       {ShowPair(made.resolution.width, made.resolution.height),
+        ShowPair(size.width, size.height)}},
+      {"roi_offset",
+       {ShowPair(made.roi_offset[0], made.roi_offset[1]),
+        ShowPair(camera.roi_offset[0], camera.roi_offset[1])}},
+      {"binning",
+       {ShowPair(made.binning[0], made.binning[1]),
+        ShowPair(camera.binning[0], camera.binning[1])}}};
+  for (const auto& [key, values] : parts)
+    if (values.first != values.second)
+      return InputError(calibration.source + ": identity/camera/" + key + ": " + values.first +
+                        ", this config's camera gives " + values.second +
+                        "; allowed is a calibration made with these pictures");
+  return {};
+}
+
+Status CheckIdentity(const RigCalibration& calibration, const DeviceIdentity& camera,
+                     const DeviceIdentity& table) {
+  const CalibratedDevices& made = calibration.devices;
+  const auto check = [&](const std::string& key, const DeviceIdentity& was,
+                         const DeviceIdentity& is) -> Status {
+    const std::pair<const char*, std::pair<std::string, std::string>> parts[] = {
+        {"vendor", {was.vendor, is.vendor}},
+        {"model", {was.model, is.model}},
+        {"serial", {was.serial, is.serial}}};
+    for (const auto& [name, values] : parts)
+      if (values.first != values.second)
+        return InputError(calibration.source + ": identity/" + key + "/" + name + ": \"" +
+                          values.first + "\", the " + key + " that was opened says \"" +
+                          values.second + "\"; allowed is a calibration of these devices");
+    return {};
+  };
+  if (Status status = check("camera", made.camera, camera); !status) return status;
+  return check("table", made.table, table);
+}
+
+}  // namespace turnlight::rig

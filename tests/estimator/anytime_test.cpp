@@ -1,0 +1,57 @@
+// Proves: there is an estimate from the first keyframe that shows the target on, it gets better
+// with each that comes, it stays when a step fails, and the same calls give the same bits. Does not
+// prove how soon it is good: docs/capture.md has that, measured.
+#include "estimator/anytime.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/estimator/random_observations.h"
+#include "tests/estimator/tiny_ball.h"
+
+namespace turnlight::estimator {
+namespace {
+
+TEST(AnytimeEstimator, IsThereFromTheFirstKeyframeAndGetsBetter) {
+  const model::Scene truth = TwoLights();
+  const TinyBall ball(truth, 4, 0.003);
+  AnytimeEstimator estimator(ball.geometry, ball.rays);
+  EXPECT_FALSE(estimator.Current().has_value());
+  std::vector<double> sigmas;
+  for (const model::Keyframe& keyframe : ball.keyframes) {
+    estimator.Add(keyframe);
+    ASSERT_TRUE(estimator.Step());
+    ASSERT_TRUE(estimator.Current().has_value());
+    EXPECT_EQ(estimator.Current()->views, static_cast<int>(estimator.keyframes()));
+    ASSERT_EQ(estimator.Current()->lights.size(), 2u) << estimator.keyframes();
+    sigmas.push_back(estimator.Current()->stat.lights[0].direction);
+  }
+  EXPECT_EQ(estimator.keyframes(), 4u);
+  EXPECT_LT(sigmas.back(), 0.8 * sigmas.front());
+  EXPECT_LT(WorstDirectionDeg(estimator.Current()->ToScene().lights, truth.lights), 0.5);
+
+  AnytimeEstimator again(ball.geometry, ball.rays);
+  for (const model::Keyframe& keyframe : ball.keyframes) {
+    again.Add(keyframe);
+    ASSERT_TRUE(again.Step());
+  }
+  EXPECT_EQ(again.Current()->rms, estimator.Current()->rms);
+  EXPECT_EQ(again.Current()->lights[1].light.direction,
+            estimator.Current()->lights[1].light.direction);
+}
+
+TEST(AnytimeEstimator, NothingUsableIsNoEstimateYet) {
+  TinyBall ball(TwoLights(), 2, 0.003);
+  ball.keyframes[0].mask.setTo(0);
+  AnytimeEstimator estimator(ball.geometry, ball.rays);
+  estimator.Add(ball.keyframes[0]);
+  const Status status = estimator.Step();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::kNoEstimate);
+  EXPECT_FALSE(estimator.Current().has_value());
+  estimator.Add(ball.keyframes[1]);
+  EXPECT_TRUE(estimator.Step());
+  EXPECT_TRUE(estimator.Current().has_value());
+}
+
+}  // namespace
+}  // namespace turnlight::estimator

@@ -1,0 +1,97 @@
+// Proves: each note is given when its reason is there, with its code and numbers, and not
+// otherwise. Does not prove that the thresholds are the right ones: bench/studies does.
+#include "estimator/notes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace turnlight::estimator {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> CodesOf(const Estimate& estimate) {
+  std::vector<std::string> codes;
+  for (const Note& note : estimate.notes) codes.push_back(note.code);
+  return codes;
+}
+
+// Nothing to remark on.
+Estimate Unremarkable() {
+  Estimate estimate;
+  estimate.views = estimate.distinct_views = 6;
+  estimate.lights.emplace_back().near = true;
+  estimate.pixels = 5000;
+  estimate.rms = 0.01;
+  return estimate;
+}
+
+TEST(Notes, NoneWhereThereIsNothingToSay) {
+  Estimate estimate = Unremarkable();
+  AddNotes(estimate);
+  AddCountNote(0.01, 0.8, estimate);
+  AddOutliersNote({.on_target = 1000, .outliers = 5}, estimate);
+  EXPECT_THAT(CodesOf(estimate), IsEmpty());
+}
+
+TEST(Notes, EachHasItsReason) {
+  Estimate estimate = Unremarkable();
+  estimate.distinct_views = 2;
+  estimate.reflectance.specular_model = model::SpecularModel::kNone;
+  estimate.channels = 1;
+  estimate.lights.emplace_back();
+  estimate.stopped = solve::Stopped::kIterationLimit;
+  AddNotes(estimate);
+  EXPECT_THAT(CodesOf(estimate), ElementsAre("views-add-nothing", "no-highlight", "grey",
+                                             "distance-unknown", "not-converged"));
+  EXPECT_THAT(estimate.notes[0].text, HasSubstr("2 of 6 views differ by more than noise"));
+}
+
+TEST(Notes, NoConvergenceSaysWhy) {
+  for (const auto& [stopped, words] :
+       {std::pair{solve::Stopped::kIterationLimit, "limit of iterations"},
+        std::pair{solve::Stopped::kNotFinite, "not finite"}}) {
+    Estimate estimate = Unremarkable();
+    estimate.stopped = stopped;
+    AddNotes(estimate);
+    ASSERT_THAT(CodesOf(estimate), ElementsAre("not-converged"));
+    EXPECT_THAT(estimate.notes[0].text, HasSubstr(words));
+  }
+}
+
+TEST(Notes, TheCountIsUncertainForThreeReasons) {
+  const auto texts = [](Estimate estimate, double noise, double brightest) {
+    AddCountNote(noise, brightest, estimate);
+    std::string all;
+    for (const Note& note : estimate.notes) all += note.code + ": " + note.text + "\n";
+    return all;
+  };
+  EXPECT_THAT(texts(Unremarkable(), 0.16, 1.0), HasSubstr("16 % of the brightest radiance"));
+  Estimate few = Unremarkable();
+  few.pixels = 999;
+  EXPECT_THAT(texts(few, 0.01, 1.0), HasSubstr("Only 999 pixels are usable"));
+  Estimate unexplained = Unremarkable();
+  unexplained.rms = 0.031;
+  const std::string text = texts(unexplained, 0.01, 1.0);
+  EXPECT_THAT(text, HasSubstr("count-uncertain: The model leaves 0.031 rms"));
+  EXPECT_THAT(text, HasSubstr("3.1 times their noise"));
+}
+
+TEST(Notes, ThresholdsAreTheStatedOnes) {
+  EXPECT_FALSE(Unexplained(0.02, 0.01));
+  EXPECT_TRUE(Unexplained(0.0201, 0.01));
+  EXPECT_FALSE(Noisy(0.15, 1.0));
+  EXPECT_TRUE(Noisy(0.151, 1.0));
+}
+
+TEST(Notes, ManyOutliersAreCounted) {
+  Estimate estimate = Unremarkable();
+  AddOutliersNote({.on_target = 1000, .outliers = 17}, estimate);
+  ASSERT_THAT(CodesOf(estimate), ElementsAre("outliers"));
+  EXPECT_THAT(estimate.notes[0].text, HasSubstr("17 of 1000 target pixels"));
+}
+
+}  // namespace
+}  // namespace turnlight::estimator

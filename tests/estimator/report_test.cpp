@@ -1,0 +1,111 @@
+// Proves: what is reported of a fit is that fit, in W, in the results' gauge, strongest light
+// first, with positions and bounds that follow from inverse distances in closed form, and the rms
+// of its own residuals. Does not prove the sigmas (uncertainty_test, recovery_test).
+#include "estimator/report.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimator/solve/normal_equations.h"
+#include "tests/estimator/random_observations.h"
+
+namespace turnlight::estimator {
+namespace {
+
+// A distant light, and a near one that is the stronger. About a reference away from W's origin, in
+// units of 2.
+struct ReportCase {
+  model::Scene truth = TwoLights(0.0, 0.25);
+  observe::Observations all;
+  select::Refined refined;
+  Estimate estimate;
+
+  ReportCase() {
+    truth.lights[1].intensity = 1.4;
+    all = RandomObservations(6000, 3, 1, &truth).observations;
+    AddNoise(0.003, 1, all);
+    all.reference = {0.4, -0.2, 0.3};
+    all.radius = 2.0;
+    std::vector<model::Rung> ladder;
+    refined = select::Refine(all, truth, 0.003, 1.0, {}, ladder);
+    FillFromFit(all, refined, estimate);
+  }
+};
+
+TEST(FillFromFit, IsTheFitInTheResultsGauge) {
+  const ReportCase it;
+  const Estimate& e = it.estimate;
+  ASSERT_EQ(e.lights.size(), 2u);
+  EXPECT_EQ(e.lights[0].light.intensity, 1.0);
+  EXPECT_FALSE(e.lights[0].intensity_sigma.has_value());
+  EXPECT_GE(e.lights[0].light.intensity, e.lights[1].light.intensity);
+  EXPECT_GT(*e.lights[1].intensity_sigma, 0.0);
+  EXPECT_EQ(e.reflectance.albedo.maxCoeff(), 1.0);
+  EXPECT_EQ(e.reference_point, it.all.reference);
+  // Whatever the gauge: the scene that is reported shows the pictures that were fitted.
+  const model::Scene& fitted = it.refined.solution.scene;
+  const model::Scene reported = e.ToScene();
+  const RandomObservations random(50, 3, 9);
+  for (const RandomPoint& p : random.points) {
+    const Eigen::Vector3d in_fit = model::Shade(fitted, p.position, p.normal, p.viewer);
+    const Eigen::Vector3d in_world =
+        model::Shade(reported, it.all.reference + 2.0 * p.position, p.normal, p.viewer);
+    EXPECT_LT((in_fit - in_world).norm(), 1e-12);
+  }
+  for (const LightEstimate& light : e.lights) {
+    EXPECT_LT((light.diffuse_product -
+               e.reflectance.albedo * e.reflectance.diffuse * light.light.intensity)
+                  .norm(),
+              1e-15);
+    EXPECT_NEAR(light.specular_product, e.reflectance.specular * light.light.intensity, 1e-15);
+  }
+}
+
+TEST(FillFromFit, DistancesFollowFromInverseDistances) {
+  const ReportCase it;
+  const LightEstimate& near = it.estimate.lights[0];
+  ASSERT_TRUE(near.near);
+  const double rho = near.light.inverse_distance;
+  EXPECT_DOUBLE_EQ(*near.distance, 1.0 / rho);
+  EXPECT_LT((*near.position - near.light.direction / rho).norm(), 1e-12);
+  EXPECT_NEAR(*near.distance_sigma, near.inverse_distance_sigma / (rho * rho),
+              0.01 * *near.distance_sigma);
+  EXPECT_LT(*near.distance_min, *near.distance);
+  EXPECT_GT(near.position_covariance->trace(), 0.0);
+  const LightEstimate& distant = it.estimate.lights[1];
+  ASSERT_FALSE(distant.near);
+  EXPECT_FALSE(distant.distance || distant.position || distant.distance_sigma);
+  const double free = it.refined.inverse_distance[0];
+  const double sigma = it.refined.inverse_distance_sigma[0];
+  EXPECT_DOUBLE_EQ(*distant.distance_min, 1.0 / (free + 1.6449 * sigma));
+  EXPECT_DOUBLE_EQ(distant.inverse_distance_sigma, std::hypot(sigma, free));
+}
+
+TEST(FillFromFit, RmsAndHistoryAreOfTheResiduals) {
+  const ReportCase it;
+  const Estimate& e = it.estimate;
+  EXPECT_EQ(e.pixels, it.all.used - it.refined.options.evaluate.shadows.left_out);
+  EXPECT_NEAR(e.rms, 0.003, 1e-4);
+  ASSERT_EQ(e.history.size(), it.refined.cost_history.size());
+  EXPECT_NEAR(e.history.back().rms, e.rms, 1e-6 * e.rms);
+  EXPECT_EQ(e.history.back().iteration, e.iterations);
+  EXPECT_EQ(e.stopped, solve::Stopped::kTolerance);
+}
+
+TEST(FillFromFit, TotalSigmasAreNoSmallerThanTheStatistical) {
+  const ReportCase it;
+  const Estimate& e = it.estimate;
+  ASSERT_EQ(e.stat.lights.size(), 2u);
+  for (std::size_t l = 0; l < 2; ++l) {
+    EXPECT_GT(e.stat.lights[l].direction, 0.0);
+    EXPECT_GE(e.lights[l].direction_sigma, e.stat.lights[l].direction);
+    EXPECT_GE(e.lights[l].inverse_distance_sigma, e.stat.lights[l].inverse_distance);
+    EXPECT_GE(e.lights[l].specular_product_sigma, e.stat.lights[l].specular_product);
+  }
+  EXPECT_GE(e.sigma.ambient, e.stat.ambient);
+  EXPECT_GE(*e.sigma.shininess, e.stat.shininess);
+}
+
+}  // namespace
+}  // namespace turnlight::estimator

@@ -1,0 +1,100 @@
+// Proves, on a scene's own radiances with noise: a highlight, a distance and a robust loss are
+// taken where the data call for them and left where they do not, each as a rung with its numbers;
+// what the user chose is not decided. Does not prove the thresholds, nor anything on pictures
+// (model_choice_test, recovery_test, bench/studies).
+#include "estimator/select/model_selection.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/estimator/random_observations.h"
+
+namespace turnlight::estimator::select {
+namespace {
+
+constexpr double kValueNoise = 0.003;
+
+observe::Observations NoisyPicture(const model::Scene& truth, std::uint64_t seed = 1) {
+  observe::Observations all = RandomObservations(6000, 3, seed, &truth).observations;
+  AddNoise(kValueNoise, seed, all);
+  return all;
+}
+
+struct Selected {
+  Refined refined;
+  std::vector<model::Rung> ladder;
+
+  Selected(const observe::Observations& all, const model::Scene& start,
+           const model::ModelChoice& choice = {})
+      : refined(Refine(all, start, kValueNoise, 1.0, choice, ladder)) {}
+  bool Accepted(const std::string& rung) const {
+    for (const model::Rung& each : ladder)
+      if (each.rung == rung) return each.accepted;
+    ADD_FAILURE() << "no rung " << rung;
+    return false;
+  }
+};
+
+TEST(Refine, ANearLightIsNearAndADistantOneIsHeldThere) {
+  const model::Scene truth = TwoLights(0.0, 0.25);
+  const Selected selected(NoisyPicture(truth), truth);
+  EXPECT_EQ(selected.refined.near, (std::vector<bool>{false, true}));
+  EXPECT_FALSE(selected.Accepted("near light 1"));
+  EXPECT_TRUE(selected.Accepted("near light 2"));
+  EXPECT_EQ(selected.refined.solution.scene.lights[0].inverse_distance, 0.0);
+  EXPECT_NEAR(selected.refined.solution.scene.lights[1].inverse_distance, 0.25, 0.01);
+  EXPECT_NEAR(selected.refined.inverse_distance[0], 0.0,
+              4.0 * selected.refined.inverse_distance_sigma[0]);
+  EXPECT_TRUE(selected.Accepted("specular"));
+  EXPECT_FALSE(selected.Accepted("robust-loss"));
+  EXPECT_EQ(selected.refined.options.evaluate.huber, 0.0);
+  EXPECT_EQ(selected.refined.cost_history.size(),
+            static_cast<std::size_t>(selected.refined.iterations) + 1);
+}
+
+TEST(Refine, AHighlightThatIsNotThereIsTakenOut) {
+  model::Scene truth = TwoLights();
+  truth.reflectance.specular = 0.0;
+  model::Scene start = truth;
+  start.reflectance.specular = 0.1;
+  const Selected selected(NoisyPicture(truth), start);
+  EXPECT_FALSE(selected.Accepted("specular"));
+  const model::Reflectance& r = selected.refined.solution.scene.reflectance;
+  EXPECT_EQ(r.specular_model, model::SpecularModel::kNone);
+  EXPECT_EQ(r.specular, 0.0);
+  EXPECT_GT(selected.refined.specular_sigma, 0.0);
+  EXPECT_GE(selected.refined.specular_sigma, selected.refined.specular_sigma_stat);
+  EXPECT_LT(WorstDirectionDeg(selected.refined.solution.scene.lights, truth.lights), 1.0);
+}
+
+// One pixel in ten is dirt.
+TEST(Refine, OutliersMakeTheLossRobustAndMoveNoLight) {
+  const model::Scene truth = TwoLights();
+  observe::Observations all = NoisyPicture(truth);
+  for (std::size_t i = 0; i < all.used; i += 10)
+    for (int c = 0; c < 3; ++c) all.radiance[c][i] *= 0.5f;
+  const Selected selected(all, truth);
+  EXPECT_TRUE(selected.Accepted("robust-loss"));
+  EXPECT_GT(selected.refined.options.evaluate.huber, 0.5 * kValueNoise);
+  EXPECT_LT(selected.refined.options.evaluate.huber, 3.0 * kValueNoise);
+  EXPECT_LT(WorstDirectionDeg(selected.refined.solution.scene.lights, truth.lights), 0.5);
+}
+
+TEST(Refine, WhatTheUserChoseIsNotDecided) {
+  model::Scene truth = TwoLights(0.0, 0.25);
+  truth.reflectance.specular = 0.0;
+  model::Scene start = truth;
+  start.reflectance.specular = 0.1;
+  const Selected selected(
+      NoisyPicture(truth), start,
+      {.lights = {}, .diffuse = {}, .specular = model::SpecularModel::kPhong, .near = false});
+  EXPECT_TRUE(selected.Accepted("specular"));
+  EXPECT_EQ(selected.refined.solution.scene.reflectance.specular_model,
+            model::SpecularModel::kPhong);
+  EXPECT_EQ(selected.refined.near, (std::vector<bool>{false, false}));
+  for (const model::Light& light : selected.refined.solution.scene.lights)
+    EXPECT_EQ(light.inverse_distance, 0.0);
+}
+
+}  // namespace
+}  // namespace turnlight::estimator::select

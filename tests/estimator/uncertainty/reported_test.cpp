@@ -1,0 +1,95 @@
+// Proves: what is reported does not depend on the gauge that a scene comes in; lights are ordered
+// by their strength at W's origin, not at the target; products are those that the pictures show.
+// Does not prove anything about errors.
+#include "estimator/uncertainty/reported.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/estimator/random_observations.h"
+
+namespace turnlight::estimator::uncertainty {
+namespace {
+
+observe::Observations AwayFromTheOrigin() {
+  observe::Observations frame;
+  frame.reference = {0.4, -0.2, 0.3};
+  frame.radius = 2.0;
+  return frame;
+}
+
+// The same pictures: albedo times a, intensities times b.
+model::Scene InAnotherGauge(model::Scene scene, double a, double b) {
+  model::Reflectance& r = scene.reflectance;
+  r.albedo *= a;
+  r.ambient /= a;
+  r.diffuse /= a * b;
+  r.specular /= b;
+  for (model::Light& light : scene.lights) light.intensity *= b;
+  return scene;
+}
+
+TEST(Report, IsTheSameInEveryGauge) {
+  const observe::Observations frame = AwayFromTheOrigin();
+  const model::Scene scene = TwoLights();
+  const auto order = StrengthOrder(scene, frame);
+  const Reported one = Report(scene, frame, order);
+  for (const auto& [a, b] : {std::pair{3.0, 0.5}, std::pair{0.1, 1.0}, std::pair{1.0, 20.0}}) {
+    const model::Scene other_scene = InAnotherGauge(scene, a, b);
+    EXPECT_EQ(StrengthOrder(other_scene, frame), order);
+    const Reported other = Report(other_scene, frame, order);
+    EXPECT_LT((other.reflectance.albedo - one.reflectance.albedo).norm(), 1e-14);
+    EXPECT_NEAR(other.reflectance.ambient, one.reflectance.ambient, 1e-14);
+    EXPECT_NEAR(other.reflectance.diffuse, one.reflectance.diffuse, 1e-14);
+    EXPECT_NEAR(other.reflectance.specular, one.reflectance.specular, 1e-14);
+    EXPECT_LT((other.ambient_product - one.ambient_product).norm(), 1e-14);
+    for (std::size_t l = 0; l < 2; ++l) {
+      EXPECT_NEAR(other.lights[l].light.intensity, one.lights[l].light.intensity, 1e-14);
+      EXPECT_LT((other.lights[l].diffuse_product - one.lights[l].diffuse_product).norm(), 1e-14);
+      EXPECT_NEAR(other.lights[l].specular_product, one.lights[l].specular_product, 1e-14);
+    }
+  }
+  EXPECT_EQ(one.reflectance.albedo.maxCoeff(), 1.0);
+  EXPECT_EQ(one.lights[0].light.intensity, 1.0);
+}
+
+TEST(Report, ProductsAreThoseOfTheScene) {
+  observe::Observations frame;  // about W's origin, in its units
+  const model::Scene scene = TwoLights();
+  const model::Reflectance& r = scene.reflectance;
+  const Reported reported = Report(scene, frame, {0, 1});
+  for (std::size_t l = 0; l < 2; ++l) {
+    EXPECT_LT(
+        (reported.lights[l].diffuse_product - r.albedo * r.diffuse * scene.lights[l].intensity)
+            .norm(),
+        1e-14);
+    EXPECT_NEAR(reported.lights[l].specular_product, r.specular * scene.lights[l].intensity, 1e-14);
+    EXPECT_EQ(reported.lights[l].direction_at_reference, scene.lights[l].direction);
+    EXPECT_EQ(reported.lights[l].inverse_distance_at_reference, scene.lights[l].inverse_distance);
+  }
+  EXPECT_LT((reported.ambient_product - r.albedo * r.ambient).norm(), 1e-15);
+}
+
+// A lamp close to the target is strong there, and weak where W's origin is, far behind.
+TEST(StrengthOrder, IsAtTheWorldsOrigin) {
+  observe::Observations frame;
+  frame.reference = {0.0, 0.0, 10.0};
+  model::Scene scene;
+  scene.lights = {{Eigen::Vector3d::UnitZ(), 0.5, 1.0, Eigen::Vector3d::Ones()},
+                  {Eigen::Vector3d::UnitX(), 0.0, 0.5, Eigen::Vector3d::Ones()}};
+  EXPECT_EQ(StrengthOrder(scene, frame), (std::vector<std::size_t>{1, 0}));
+  frame.reference.setZero();
+  EXPECT_EQ(StrengthOrder(scene, frame), (std::vector<std::size_t>{0, 1}));
+}
+
+TEST(Report, OfNoLightIsTheAmbientAlone) {
+  model::Scene scene;
+  scene.reflectance.albedo = {0.5, 0.25, 0.1};
+  scene.reflectance.ambient = 0.4;
+  const observe::Observations frame = AwayFromTheOrigin();
+  EXPECT_TRUE(StrengthOrder(scene, frame).empty());
+  const Reported reported = Report(scene, frame, {});
+  EXPECT_LT((reported.ambient_product - 0.4 * scene.reflectance.albedo).norm(), 1e-15);
+}
+
+}  // namespace
+}  // namespace turnlight::estimator::uncertainty
