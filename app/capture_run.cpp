@@ -241,7 +241,7 @@ int Finish(const RunFolder& folder, CaptureGoal goal,
       status = WriteFileAtomic(folder.result() / "progress.csv", ProgressTable(estimates));
     if (!status) return Fail(status.error());
   }
-  const auto done = EstimateSession(session, folder.result(), {});
+  const auto done = WriteEstimate(session, folder.result());
   if (!done) return Fail(done.error());
   std::cout << done->summary << std::flush;
   return ExitCodeOf(done->closure);

@@ -6,11 +6,13 @@
 
 namespace turnlight::app {
 
+void TellVerdict(const rig::ClosureCheck& closure) {
+  std::cerr << (closure.closed ? "" : "turnlight: ") << "closure: " << closure.text << std::endl;
+}
+
 Result<std::optional<rig::ClosureCheck>> TellClosure(const std::filesystem::path& session) {
   auto closure = rig::CheckClosure(session);
-  if (closure && *closure)
-    std::cerr << ((*closure)->closed ? "" : "turnlight: ") << "closure: " << (*closure)->text
-              << std::endl;
+  if (closure && *closure) TellVerdict(**closure);
   return closure;
 }
 

@@ -9,6 +9,9 @@
 
 namespace turnlight::app {
 
+// Says the verdict on standard error.
+void TellVerdict(const rig::ClosureCheck& closure);
+
 // Checks a finished session and says the verdict on standard error; says nothing of a session
 // without a closure frame. Fails (kInput) like rig::CheckClosure.
 Result<std::optional<rig::ClosureCheck>> TellClosure(const std::filesystem::path& session);

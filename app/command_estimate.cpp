@@ -5,8 +5,9 @@
 
 #include "app/command.h"
 #include "app/exit_code.h"
-#include "app/model_option.h"
 #include "app/session_estimate.h"
+#include "estimator/results/model_option.h"
+#include "estimator/results/words.h"
 
 namespace turnlight::app {
 namespace {
@@ -14,19 +15,23 @@ namespace {
 struct EstimateArguments {
   std::string session;
   std::string out;
-  SessionEstimateOptions options;
+  WriteOptions options;
+  std::string method = estimator::results::WordOf(estimator::results::Method::kLeastSquares);
   std::vector<std::string> model;
   bool no_pictures = false;
   bool json = false;
 };
 
 int Estimate(const EstimateArguments& arguments) {
-  SessionEstimateOptions options = arguments.options;
+  WriteOptions options = arguments.options;
+  options.estimate.method =
+      *estimator::results::ValueOf<estimator::results::Method>(arguments.method);
   options.pictures = !arguments.no_pictures;
   for (const std::string& option : arguments.model)
-    if (const Status status = ApplyModelOption(option, options.model); !status)
+    if (const Status status = estimator::results::ApplyModelOption(option, options.estimate.model);
+        !status)
       return Fail(status.error());
-  const auto done = EstimateSession(arguments.session, arguments.out, options);
+  const auto done = WriteEstimate(arguments.session, arguments.out, options);
   if (!done) return Fail(done.error());
   std::cout << (arguments.json ? done->json : done->summary) << std::flush;
   return kDone;
@@ -43,19 +48,19 @@ void AddEstimate(CLI::App& program, Action& action) {
   command->add_option("SESSION", arguments->session, "The session's folder")->required();
   AddOut(*command, arguments->out, "Folder for result.json and pictures");
   command
-      ->add_option("--method", arguments->options.method,
+      ->add_option("--method", arguments->method,
                    "lm (default): least squares over all parameters together; paper: the published "
                    "baseline, lights' directions from the intensity map and steepest descent")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"lm", "paper"}));
+      ->check(CLI::IsMember(estimator::results::AllWords<estimator::results::Method>()));
   command
-      ->add_option("--ceiling-distance", arguments->options.ceiling_distance_m,
+      ->add_option("--ceiling-distance", arguments->options.estimate.ceiling_distance_m,
                    "With --method paper: the distance that its lights start from and that says how "
                    "bright they are, in metres (default 2.5)")
       ->type_name("METRES")
       ->check(CLI::Range(1e-6, 1e6));
   command
-      ->add_option("--views", arguments->options.views,
+      ->add_option("--views", arguments->options.estimate.views,
                    "Use N frames spread over the session's F: frames floor(i F / N)")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
@@ -65,9 +70,8 @@ void AddEstimate(CLI::App& program, Action& action) {
       ->type_name("FILE");
   command
       ->add_option("--model", arguments->model,
-                   "Decide what the data otherwise decide: lights=N (1 to 32), "
-                   "diffuse=lambert|oren-nayar, specular=none|phong|blinn-phong, "
-                   "lights-are=near|distant; may be repeated")
+                   "Decide what the data otherwise decide: " +
+                       estimator::results::ModelOptionHelp() + "; may be repeated")
       ->type_name("KEY=VALUE");
   command->add_flag("--no-pictures", arguments->no_pictures, "Write result.json only");
   command->add_flag("--json", arguments->json,

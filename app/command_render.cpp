@@ -9,6 +9,7 @@
 #include "app/interrupt.h"
 #include "app/output_folder.h"
 #include "app/progress.h"
+#include "app/scene_input.h"
 #include "app/scene_overrides.h"
 #include "base/file.h"
 #include "base/sha256.h"
@@ -16,7 +17,6 @@
 #include "estimator/target/renderer.h"
 #include "rig/session/image_file.h"
 #include "rig/session/session.h"
-#include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
 namespace {
@@ -63,7 +63,7 @@ PictureFormat ChooseFormat(const rig::Session& session) {
 }
 
 Result<estimator::model::Scene> BuildScene(const RenderArguments& arguments) {
-  auto scene = rig::sim::ReadScene(arguments.params);
+  auto scene = ReadScene(arguments.params);
   if (!scene) return scene;
   if (!arguments.lights.empty()) scene->lights.clear();
   for (const std::string& text : arguments.lights) {

@@ -16,6 +16,8 @@ int ExitCodeOf(ErrorKind kind) {
       return kDeviceFault;
     case ErrorKind::kNoEstimate:
       return kNoEstimate;
+    case ErrorKind::kInterrupted:
+      return kInterrupted;
   }
   return kRefused;
 }

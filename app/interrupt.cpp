@@ -12,10 +12,9 @@ namespace {
 
 constexpr char kText[] = "\nturnlight: interrupted\n";
 
-std::atomic<bool> interrupted{false};
+StopFlag interrupted{false};
 std::atomic<int> at_once{0};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
-              "a signal handler may touch them");
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch it");
 
 std::atomic<nodes::graph::Graph*> stopped_graph{nullptr};
 std::atomic<int> presses{0};  // while there is a graph to stop
@@ -49,6 +48,7 @@ void InstallInterruptHandler() {
 }
 
 bool Interrupted() { return interrupted.load(); }
+const StopFlag& InterruptFlag() { return interrupted; }
 
 InterruptAtOnce::InterruptAtOnce() {
   ++at_once;

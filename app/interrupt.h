@@ -1,7 +1,9 @@
 // Ctrl-C. The first one lets the file that is being written be finished, then the program ends with
-// exit code 130; where nothing is being written it ends at once. The second one ends it at once.
+// exit code 130; where nothing is being written it ends at once, an estimate at its next iteration.
+// The second one ends it at once.
 #pragma once
 
+#include "base/stop_flag.h"
 #include "nodes/graph/graph.h"
 
 namespace turnlight::app {
@@ -10,6 +12,8 @@ void InstallInterruptHandler();
 
 // Whether Ctrl-C was pressed; commands look between two frames.
 bool Interrupted();
+// The same for calls that look themselves.
+const StopFlag& InterruptFlag();
 
 // While one lives, nothing is being written, and Ctrl-C ends the program at once; so does one that
 // came before.

@@ -12,7 +12,7 @@
 
 namespace turnlight::app {
 
-// Writes what estimator/pictures.h makes into the folder; gives the number of files.
+// Writes what estimator/pictures/pictures.h makes into the folder; gives the number of files.
 Result<std::size_t> WritePictures(const std::vector<estimator::model::Keyframe>& keyframes,
                                   const estimator::target::Geometry& geometry,
                                   const calib::CameraModel& camera,

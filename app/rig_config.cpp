@@ -6,10 +6,10 @@
 
 #include "base/file.h"
 #include "base/format.h"
+#include "estimator/results/scene_json.h"
 #include "nodes/capture_nodes.h"
 #include "rig/session/mesh_file.h"
 #include "rig/session/session_fields.h"
-#include "rig/sim/scene_file.h"
 
 namespace turnlight::app {
 namespace {
@@ -160,16 +160,16 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
   if (!table) return Forward(table);
   auto camera = Make(*chosen.camera, chosen.camera_keys, &*world);
   if (!camera) return Forward(camera);
-  return rig::RigSetup{
-      .table = std::move(*table),
-      .camera = std::move(*camera),
-      .length_unit = config.length_unit,
-      .known = config.calibration ? rig::KnowledgeOf(*config.calibration)
-                                  : rig::sim::KnowledgeOf(*world),
-      .target = config.target ? *config.target : rig::sim::TargetOf(*world),
-      .calibration = config.calibration,
-      .truth = rig::sim::TruthToJson(world->studio->scene, "the simulated rig of " + config.name),
-      .identity = {}};
+  return rig::RigSetup{.table = std::move(*table),
+                       .camera = std::move(*camera),
+                       .length_unit = config.length_unit,
+                       .known = config.calibration ? rig::KnowledgeOf(*config.calibration)
+                                                   : rig::sim::KnowledgeOf(*world),
+                       .target = config.target ? *config.target : rig::sim::TargetOf(*world),
+                       .calibration = config.calibration,
+                       .truth = estimator::results::TruthToJson(
+                           world->studio->scene, "the simulated rig of " + config.name),
+                       .identity = {}};
 }
 
 }  // namespace

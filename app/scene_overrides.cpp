@@ -9,6 +9,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "base/nearest.h"
+#include "estimator/results/words.h"
 
 namespace turnlight::app {
 namespace {
@@ -60,14 +61,11 @@ Status SetNumber(const std::string& key, const std::string& value, double min, d
 }
 
 Status SetModel(const std::string& value, Reflectance& reflectance) {
-  if (value == "phong")
-    reflectance.specular_model = SpecularModel::kPhong;
-  else if (value == "blinn-phong")
-    reflectance.specular_model = SpecularModel::kBlinnPhong;
-  else if (value == "none")
-    reflectance.specular_model = SpecularModel::kNone;
-  else
-    return BadValue("model", value, "one of phong, blinn-phong, none");
+  const auto model = estimator::results::ValueOf<SpecularModel>(value);
+  if (!model)
+    return BadValue("model", value,
+                    "one of " + Listed(estimator::results::AllWords<SpecularModel>()));
+  reflectance.specular_model = *model;
   return {};
 }
 

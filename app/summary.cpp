@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/result_json.h"
 #include "base/angles.h"
 #include "base/format.h"
+#include "estimator/results/result_json.h"
 
 namespace turnlight::app {
 namespace {
@@ -82,7 +82,8 @@ std::string ReflectanceText(const Estimate& estimate) {
     return text + Row("specular", "none");
   return text + Row("specular", Measure(r.specular, estimate.sigma.specular) + ",  shininess " +
                                     Measure(r.shininess, estimate.sigma.shininess.value_or(0.0)) +
-                                    Format(" (highlight %.3g\u00b0 wide)", LobeWidthDeg(r)));
+                                    Format(" (highlight %.3g\u00b0 wide)",
+                                           estimator::results::LobeWidthDeg(r)));
 }
 
 std::string LadderText(const Estimate& estimate) {
@@ -119,9 +120,9 @@ std::string Summary(const Estimate& estimate, const std::string& session_name,
   for (std::size_t i = 0; i < estimate.lights.size(); ++i)
     text += Row("light " + std::to_string(i + 1), LightText(estimate.lights[i], length_unit));
   text += ReflectanceText(estimate);
-  text += Row("residual",
-              Format("%.3g rms of white, from %.3g at the start; %d iterations, %s", estimate.rms,
-                     estimate.initial_rms, estimate.iterations, StoppedWord(estimate.stopped)));
+  text += Row("residual", Format("%.3g rms of white, from %.3g at the start; %d iterations, %s",
+                                 estimate.rms, estimate.initial_rms, estimate.iterations,
+                                 estimator::results::WordOf(estimate.stopped).c_str()));
   return text + LadderText(estimate) + NotesText(estimate);
 }
 

@@ -12,11 +12,12 @@
 namespace turnlight {
 
 enum class ErrorKind {
-  kInput,       // usage, configuration or input refused: exit code 2
-  kIncomplete,  // some frames lost, the rest kept: exit code 3
-  kDevice,      // a device fault: exit code 4
-  kNoEstimate,  // the data give no usable estimate: exit code 5
-  kSystem,      // the file system or the operating system said no: exit code 2
+  kInput,        // usage, configuration or input refused: exit code 2
+  kIncomplete,   // some frames lost, the rest kept: exit code 3
+  kDevice,       // a device fault: exit code 4
+  kNoEstimate,   // the data give no usable estimate: exit code 5
+  kInterrupted,  // asked to end before it was done: exit code 130
+  kSystem,       // the file system or the operating system said no: exit code 2
 };
 
 struct Error {
@@ -40,6 +41,9 @@ inline tl::unexpected<Error> DeviceError(std::string text) {
 }
 inline tl::unexpected<Error> NoEstimateError(std::string text) {
   return tl::unexpected<Error>(Error{ErrorKind::kNoEstimate, std::move(text)});
+}
+inline tl::unexpected<Error> InterruptedError() {
+  return tl::unexpected<Error>(Error{ErrorKind::kInterrupted, "interrupted"});
 }
 // Passes an error on from a Result of another type.
 template <typename T>

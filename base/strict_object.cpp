@@ -236,7 +236,8 @@ Status StrictObject::Finish() {
     bool allowed = known_.contains(entry.key());
     for (const std::string& prefix : prefixes_) allowed |= entry.key().starts_with(prefix);
     // Of a missing key only its misspelling is of interest: others may not have been asked for yet.
-    if (error_) allowed |= Nearest(entry.key(), std::vector<std::string>{missing_}).empty();
+    allowed |=
+        error_ ? Nearest(entry.key(), std::vector<std::string>{missing_}).empty() : allows_unknown_;
     if (!allowed)
       return InputError(Where(entry.key()) + ": unknown key, allowed are " +
                         Listed({known_.begin(), known_.end()}) + DidYouMean(entry.key(), known_));

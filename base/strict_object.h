@@ -70,6 +70,9 @@ class StrictObject {
   // Accepts any value under keys that begin so, such as "x-".
   void AllowPrefix(std::string prefix);
   void Ignore(std::string_view key);
+  // Passes over keys that it does not know, for files that a newer program may have written. What
+  // looks like the misspelling of a missing key is still named.
+  void AllowUnknown() { allows_unknown_ = true; }
 
   // Records a refusal of key's value: "FILE: KEY: VALUE, allowed is ...".
   void Refuse(std::string_view key, std::string_view allowed);
@@ -92,6 +95,7 @@ class StrictObject {
   std::string pointer_;
   std::set<std::string, std::less<>> known_;
   std::vector<std::string> prefixes_;
+  bool allows_unknown_ = false;
   std::optional<Error> error_;
   std::string missing_;  // if that is what the error says
 };

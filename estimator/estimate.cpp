@@ -59,7 +59,11 @@ Status CheckLights(const Estimate& estimate, double noise, double brightest) {
 start::Start StartOf(const observe::Observations& all, double noise,
                      const observe::IntensityMap& map, const EstimateOptions& options) {
   if (options.warm_start) return {solve::ToSolver(*options.warm_start, all), {}, {}};
-  return start::FindStart(all, noise, map, options.initial, options.model);
+  return start::FindStart(all, noise, map, options.initial, options.model, options.watch.stop);
+}
+
+void Tell(const Watch& watch, Part part) {
+  if (watch.on_part) watch.on_part(part);
 }
 
 }  // namespace
@@ -77,13 +81,18 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       select::Refined* refined) {
   const double begin = Seconds();
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
   observe::IntensityMap own_map;
   observe::IntensityMap& used_map = map ? *map : own_map;
   if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
   const double noise = observe::EstimateNoise(all), brightest = observe::BrightestRadiance(all);
   const double level = ExposureLevel(brightest);
   if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined);
+  Tell(options.watch, Part::kStart);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
   start::Start start = StartOf(all, noise, used_map, options);
+  Tell(options.watch, Part::kRefine);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
   const double started = Seconds();
   Estimate estimate;
   estimate.ladder = std::move(start.ladder);
@@ -94,8 +103,9 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   const double views_per_distinct =
       estimate.distinct_views > 0 ? static_cast<double>(estimate.views) / estimate.distinct_views
                                   : 1.0;
-  select::Refined result =
-      select::Refine(all, start.scene, noise, views_per_distinct, options.model, estimate.ladder);
+  select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
+                                          options.model, estimate.ladder, options.watch.stop);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
   FillFromFit(all, result, estimate);
   if (const Status status = CheckLights(estimate, noise, brightest); !status)
     return Forward(status);
@@ -112,6 +122,8 @@ Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyfram
                                      const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options) {
   const double begin = Seconds();
+  Tell(options.watch, Part::kObserve);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
   const auto observed = observe::ObserveScene(keyframes, geometry, rays);
   if (!observed) return Forward(observed);
   const double built = Seconds();

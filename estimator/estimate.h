@@ -2,12 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
+#include "base/stop_flag.h"
 #include "calib/camera_model.h"
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/keyframe.h"
@@ -22,11 +24,26 @@
 
 namespace turnlight::estimator {
 
+// The parts of an estimate, in their order.
+enum class Part {
+  kObserve,  // pixels traced to the target
+  kStart,    // lights looked for on a sample of the pixels
+  kRefine,   // everything solved on all pixels, and its uncertainty
+};
+
+// How a caller follows an estimate and ends it.
+struct Watch {
+  // Set: the call ends soon, at the next iteration of whatever it solves, with kInterrupted.
+  const StopFlag* stop = nullptr;
+  std::function<void(Part)> on_part;  // called as each part begins, by the thread that estimates
+};
+
 struct EstimateOptions {
   std::optional<model::InitialGuess> initial;
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<model::Scene> warm_start;
   model::ModelChoice model;  // with a start or without
+  Watch watch;
 };
 
 // Sigmas are sigma_total: see uncertainty.h.
@@ -100,7 +117,7 @@ struct EstimateOutput {
 
 // The estimate itself, from observations and the views' signatures (see views.h). On the way out,
 // map and refined (both optional) receive what pictures and residual maps are made of. Fails with
-// kNoEstimate when nothing usable was observed.
+// kNoEstimate when nothing usable was observed, with kInterrupted when options.watch.stop was set.
 Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options,
@@ -108,7 +125,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       select::Refined* refined = nullptr);
 
 // Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
-// everything clipped, everything dark, nothing of the target in view.
+// everything clipped, everything dark, nothing of the target in view; with kInterrupted when
+// options.watch.stop was set.
 Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
                                      const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options);

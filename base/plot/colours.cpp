@@ -57,15 +57,6 @@ cv::Vec3b SequentialColor(double t) {
   return kColors[static_cast<std::size_t>(std::lround(255.0 * std::clamp(t, 0.0, 1.0)))];
 }
 
-double Percentile(std::vector<float> values, double share) {
-  std::erase_if(values, [](float value) { return !std::isfinite(value); });
-  if (values.empty()) return 0.0;
-  const double rank = std::ceil(share * static_cast<double>(values.size())) - 1.0;
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 0.0));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 cv::Mat3b ToDisplay(const cv::Mat3f& radiance, double exposure, int enlarge) {
   // Encoded before it is enlarged: interpolating linear light would ring around highlights.
   cv::Mat3f encoded(radiance.size());

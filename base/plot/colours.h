@@ -2,7 +2,6 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <vector>
 
 namespace turnlight::plot {
 
@@ -19,10 +18,6 @@ cv::Vec3b DivergingColor(double t);
 // From near black over violet and orange to light yellow (the map "inferno") for t in [0, 1],
 // limited to it. NaN gives kUnseen.
 cv::Vec3b SequentialColor(double t);
-
-// The value at or below which `share` of the values lie (nearest rank), 0 if there are none. Values
-// that are not finite are left out.
-double Percentile(std::vector<float> values, double share);
 
 // Radiance times exposure to the sRGB encoding, enlarged by a whole factor. What lies outside
 // [0, 1] is limited; what is not finite is black.

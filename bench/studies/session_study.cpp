@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <chrono>
 
-#include "app/session_estimate.h"
+#include "app/scene_input.h"
 #include "bench/studies/score.h"
 #include "bench/studies/studies.h"
-#include "rig/sim/scene_file.h"
+#include "estimator/from_session/session_estimate.h"
+#include "estimator/results/result_json.h"
 
 namespace turnlight::studies {
 namespace {
@@ -15,9 +17,9 @@ struct Truth {
 };
 
 Result<Truth> ReadTruth(const std::filesystem::path& path) {
-  const auto scene = rig::sim::ReadScene(path);
+  const auto scene = app::ReadScene(path);
   if (scene) return Truth{*scene, false};
-  const auto guess = rig::sim::ReadInitialGuess(path);
+  const auto guess = app::ReadInitialGuess(path);
   if (!guess) return Forward(scene);
   return Truth{{guess->lights, {}}, true};
 }
@@ -25,15 +27,14 @@ Result<Truth> ReadTruth(const std::filesystem::path& path) {
 Json EstimateAndScore(const std::filesystem::path& folder) {
   const auto truth = ReadTruth(folder / "truth.json");
   if (!truth) return Json{{"failed", truth.error().text}};
-  std::string out = (std::filesystem::temp_directory_path() / "turnlight-study-XXXXXX").string();
-  if (!mkdtemp(out.data())) return Json{{"failed", "no temporary folder"}};
-  app::SessionEstimateOptions options;
-  options.pictures = false;
-  const auto done = app::EstimateSession(folder, out, options);
-  std::error_code ignored;
-  std::filesystem::remove_all(out, ignored);
+  const auto start = std::chrono::steady_clock::now();
+  const auto done = estimator::from_session::EstimateSession(folder);
   if (!done) return Json{{"failed", done.error().text}};
-  Json record = Score(truth->scene, Json::parse(done->json));
+  const std::chrono::duration<double> total = std::chrono::steady_clock::now() - start;
+  const std::string json = estimator::results::ResultToJson(
+      done->output.estimate, done->session.name, estimator::results::Method::kLeastSquares,
+      {done->load_s, total.count()});
+  Json record = Score(truth->scene, Json::parse(json));
   if (!truth->directions_only) return record;
   Json directions = Json::array();
   for (const Json& quantity : record["quantities"])

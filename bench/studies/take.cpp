@@ -2,8 +2,8 @@
 
 #include <chrono>
 
-#include "app/result_json.h"
 #include "bench/studies/score.h"
+#include "estimator/results/result_json.h"
 
 namespace turnlight::studies {
 namespace {
@@ -33,7 +33,8 @@ Result<Json> EstimateBy(const rig::sim::SyntheticSession& session, const Method&
   if (!output) return Forward(output);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return app::ResultToJson(output->estimate, "study", "lm", {0.0, seconds});
+  return Json::parse(estimator::results::ResultToJson(
+      output->estimate, "study", estimator::results::Method::kLeastSquares, {0.0, seconds}));
 }
 
 Json ScoreOrFailure(const rig::sim::SyntheticSession& session, const Result<Json>& result) {
@@ -86,9 +87,7 @@ Json Describe(const rig::sim::SyntheticConfig& config) {
   json["noise"] = Rounded(config.sensor.noise_relative, 3);
   if (const auto* material = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
     json["shininess"] = Rounded(material->shininess, 3);
-    json["diffuse_true"] = material->diffuse_model == estimator::model::DiffuseModel::kLambert
-                               ? "lambert"
-                               : "oren-nayar";
+    json["diffuse_true"] = estimator::results::WordOf(material->diffuse_model);
   }
   return json;
 }

@@ -102,15 +102,23 @@ void FillFromPaper(const observe::Observations& observations, const PaperSolutio
 
 Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyframes,
                                        const target::Geometry& geometry, const calib::RayGrid& rays,
-                                       const PaperOptions& options) {
+                                       const PaperOptions& options, const Watch& watch) {
   const double begin = Seconds();
+  const auto enter = [&](Part part) {
+    if (watch.on_part) watch.on_part(part);
+    return !StopRequested(watch.stop);
+  };
+  if (!enter(Part::kObserve)) return InterruptedError();
   const auto observed = observe::ObserveScene(keyframes, geometry, rays);
   if (!observed) return Forward(observed);
   const observe::Observations& all = observed->pixels;
+  if (!enter(Part::kStart)) return InterruptedError();
   EstimateOutput out;
   out.map = observe::MakeIntensityMap(all);
   const double mapped = Seconds();
-  const auto solution = SolveByPaper(all, out.map, options);
+  if (!enter(Part::kRefine)) return InterruptedError();
+  const auto solution = SolveByPaper(all, out.map, options, watch.stop);
+  if (StopRequested(watch.stop)) return InterruptedError();
   if (!solution) return Forward(solution);
   Estimate& estimate = out.estimate;
   FillFromPaper(all, *solution, options, estimate);

@@ -17,6 +17,6 @@ namespace turnlight::estimator::baseline {
 // bounds of distances and the condition are NaN or absent: the method has none.
 Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyframes,
                                        const target::Geometry& geometry, const calib::RayGrid& rays,
-                                       const PaperOptions& options);
+                                       const PaperOptions& options, const Watch& watch = {});
 
 }  // namespace turnlight::estimator::baseline

@@ -157,15 +157,15 @@ double PaperProblem::Cost(const Eigen::VectorXd& variables, Eigen::VectorXd* gra
   return scale * sums.cost;
 }
 
-PaperDescent Descend(const PaperProblem& problem, const Eigen::VectorXd& start,
-                     int max_iterations) {
+PaperDescent Descend(const PaperProblem& problem, const Eigen::VectorXd& start, int max_iterations,
+                     const StopFlag* stop) {
   PaperDescent out;
   out.variables = problem.Projected(start);
   Eigen::VectorXd gradient;
   double cost = problem.Cost(out.variables, &gradient);
   out.cost_history.push_back(cost);
   double step = kFirstStep;
-  while (out.iterations < max_iterations) {
+  while (out.iterations < max_iterations && !StopRequested(stop)) {
     if (!Search(problem, out.variables, cost, gradient, step)) {
       out.converged = true;
       break;
@@ -178,7 +178,8 @@ PaperDescent Descend(const PaperProblem& problem, const Eigen::VectorXd& start,
 }
 
 Result<PaperSolution> SolveByPaper(const observe::Observations& observations,
-                                   const observe::IntensityMap& map, const PaperOptions& options) {
+                                   const observe::IntensityMap& map, const PaperOptions& options,
+                                   const StopFlag* stop) {
   PaperSolution out;
   out.clusters = PaperClusters(map, options.up);
   if (out.clusters.empty())
@@ -189,7 +190,7 @@ Result<PaperSolution> SolveByPaper(const observe::Observations& observations,
   std::vector<Eigen::Vector3d> directions;
   for (const PaperCluster& cluster : out.clusters) directions.push_back(cluster.centroid);
   const PaperProblem problem(observations, directions, options.ceiling_distance);
-  out.descent = Descend(problem, problem.Start(), options.max_iterations);
+  out.descent = Descend(problem, problem.Start(), options.max_iterations, stop);
   out.scene = problem.ToScene(out.descent.variables);
   return out;
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "base/stop_flag.h"
 #include "estimator/model/keyframe.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/intensity_map.h"
@@ -90,8 +91,9 @@ struct PaperDescent {
 };
 
 // Steepest descent projected on the ranges, with Armijo's backtracking. Deterministic for any
-// number of threads.
-PaperDescent Descend(const PaperProblem& problem, const Eigen::VectorXd& start, int max_iterations);
+// number of threads. With stop set it ends before the next iteration.
+PaperDescent Descend(const PaperProblem& problem, const Eigen::VectorXd& start, int max_iterations,
+                     const StopFlag* stop = nullptr);
 
 struct PaperSolution {
   model::Scene scene;  // in the observations' coordinates
@@ -101,6 +103,7 @@ struct PaperSolution {
 
 // The whole method. Fails with kNoEstimate if the map shows nothing within 90 degrees of up.
 Result<PaperSolution> SolveByPaper(const observe::Observations& observations,
-                                   const observe::IntensityMap& map, const PaperOptions& options);
+                                   const observe::IntensityMap& map, const PaperOptions& options,
+                                   const StopFlag* stop = nullptr);
 
 }  // namespace turnlight::estimator::baseline

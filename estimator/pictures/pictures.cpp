@@ -7,9 +7,10 @@
 #include <optional>
 
 #include "base/plot/canvas.h"
-#include "estimator/pictures/picture_sphere.h"
-#include "estimator/pictures/picture_view.h"
+#include "base/statistics.h"
 #include "estimator/pictures/plots.h"
+#include "estimator/pictures/sphere.h"
+#include "estimator/pictures/view.h"
 #include "estimator/target/renderer.h"
 
 namespace turnlight::estimator::pictures {
@@ -118,7 +119,7 @@ double CommonExposure(const std::vector<Panels>& panels) {
     }
   }
   const double level =
-      plot::Percentile(on_target.empty() ? std::move(anywhere) : std::move(on_target), 0.995);
+      NearestRank(on_target.empty() ? std::move(anywhere) : std::move(on_target), 0.995);
   return level > 0.0 ? 0.9 / level : 1.0;
 }
 

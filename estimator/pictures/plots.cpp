@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "base/angles.h"
-#include "base/plot/canvas.h"
+#include "base/plot/chart.h"
+#include "base/statistics.h"
 
 namespace turnlight::estimator::pictures {
 namespace {
@@ -14,14 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 const std::string kDegree = "\xC2\xB0";
-constexpr int kTitleHeight = 44;  // from the page's top to a part below its title
-constexpr int kBarWidth = 16;
-
-// A swatch with its meaning, beginning at `at`.
-void DrawSwatch(cv::Mat3b& page, cv::Point at, const cv::Vec3b& color, const std::string& text) {
-  plot::Place(page, cv::Mat3b(11, 11, color), at - cv::Point(0, 5));
-  plot::DrawText(page, text, {at.x + 18.0, double(at.y)}, plot::kLabel, plot::Align::kLeft);
-}
+const std::string kUnit = "share of white";
 
 double RootMeanSquare(const cv::Mat1f& residual, int* count) {
   double sum = 0.0;
@@ -51,12 +45,6 @@ struct MapFrame {
   }
 };
 
-// A light line with a dark edge: seen on any colour of the map.
-void DrawMark(cv::Mat3b& page, const std::vector<cv::Point2d>& path) {
-  plot::DrawPath(page, path, plot::kInk, 3);
-  plot::DrawPath(page, path, plot::kPaper, 1);
-}
-
 // The circle of angular radius `radius` about a direction; cut where it leaves the map at 0 or 360.
 void DrawCircleOnSphere(cv::Mat3b& page, const MapFrame& frame, const Vector3d& center,
                         double radius) {
@@ -70,20 +58,13 @@ void DrawCircleOnSphere(cv::Mat3b& page, const MapFrame& frame, const Vector3d& 
         frame.ToPage(ToAngles(std::cos(radius) * center +
                               std::sin(radius) * (std::cos(angle) * a + std::sin(angle) * b)));
     if (!path.empty() && std::abs(point.x - path.back().x) > 0.5 * frame.area.width)
-      DrawMark(page, std::exchange(path, {}));
+      plot::DrawOutlinedPath(page, std::exchange(path, {}));
     path.push_back(point);
   }
-  DrawMark(page, path);
+  plot::DrawOutlinedPath(page, path);
 }
 
-constexpr double kRing = 9.0;
-
-void DrawRing(cv::Mat3b& page, cv::Point2d at) {
-  std::vector<cv::Point2d> path;
-  for (int i = 0; i <= 72; ++i)
-    path.push_back(at + kRing * cv::Point2d(std::cos(i * CV_PI / 36), std::sin(i * CV_PI / 36)));
-  DrawMark(page, path);
-}
+constexpr double kRing = 9.0;  // radius, pixels
 
 void DrawLight(cv::Mat3b& page, const MapFrame& frame, const LightEstimate& light, int number) {
   const Vector3d& direction = light.direction_at_reference;
@@ -91,15 +72,12 @@ void DrawLight(cv::Mat3b& page, const MapFrame& frame, const LightEstimate& ligh
   const double radius = 3.0 * light.direction_sigma;
   if (std::isfinite(radius) && RadToDeg(radius) / 180.0 * frame.area.height > 1.0)
     DrawCircleOnSphere(page, frame, direction, std::min(radius, CV_PI / 2));
-  DrawRing(page, at);
+  plot::DrawRing(page, at, kRing);
   const std::string label = std::to_string(number);
   const bool near_right = at.x + kRing + 24 > frame.area.x + frame.area.width;
   const cv::Point2d text(near_right ? at.x - kRing - 5 : at.x + kRing + 5, at.y);
   const plot::Align align = near_right ? plot::Align::kRight : plot::Align::kLeft;
-  for (int y = -2; y <= 2; ++y)
-    for (int x = -2; x <= 2; ++x)
-      plot::DrawText(page, label, text + cv::Point2d(x, y), plot::kCaption, align, plot::kInk);
-  plot::DrawText(page, label, text, plot::kCaption, align, plot::kPaper);
+  plot::DrawOutlinedText(page, label, text, align);
 }
 
 std::string DescribeLight(const LightEstimate& light, int number) {
@@ -159,69 +137,13 @@ cv::Mat1f CloseGaps(const cv::Mat1f& map) {
   return closed;
 }
 
-// ---- The plot.
-
-struct LogAxis {
-  double low = 0.0, high = 0.0;  // decimal logarithms
-  double At(double value) const { return (high - std::log10(value)) / (high - low); }
-};
-
-// From 1, 2 or 5 times a power of ten below the values to one above them, at least a factor of 2.
-LogAxis AxisAround(double low, double high) {
-  const double bottom = plot::RoundDown(low);
-  return {std::log10(bottom),
-          std::max(std::log10(plot::RoundUp(high)), std::log10(plot::RoundUp(1.5 * bottom)))};
-}
-
-std::vector<plot::Tick> LogTicks(const LogAxis& axis) {
-  const double decades = axis.high - axis.low;
-  const int step = std::max(1, static_cast<int>(decades / 8.0));
-  std::vector<plot::Tick> ticks;
-  for (int decade = static_cast<int>(std::floor(axis.low)); decade <= axis.high + 1e-9; ++decade) {
-    for (int digit = 1; digit <= (step > 1 ? 1 : 9); ++digit) {
-      const double value = digit * std::pow(10.0, decade);
-      const double at = axis.At(value);
-      if (!(at > -1e-9 && at < 1.0 + 1e-9)) continue;
-      const bool labelled =
-          digit == 1 ? decade % step == 0 : decades < 2.1 && (digit == 2 || digit == 5);
-      ticks.push_back({at, labelled ? plot::FormatNumber(value) : ""});
-    }
-  }
-  return ticks;
-}
-
-std::vector<plot::Tick> IterationTicks(int first, int last) {
-  const int span = std::max(last - first, 1);
-  const int step = std::max(1, static_cast<int>(plot::RoundUp(span / 8.0)));
-  std::vector<plot::Tick> ticks;
-  for (int i = (first + step - 1) / step * step; i <= last; i += step)
-    ticks.push_back({double(i - first) / span, std::to_string(i)});
-  return ticks;
-}
-
-void DrawGrid(cv::Mat3b& page, const cv::Rect& area, const std::vector<plot::Tick>& across,
-              const std::vector<plot::Tick>& down) {
-  const double left = area.x - 0.5, top = area.y - 0.5;
-  for (const plot::Tick& tick : across)
-    plot::DrawPath(
-        page,
-        {{left + tick.at * area.width, top}, {left + tick.at * area.width, top + area.height}},
-        plot::kFaint, 1);
-  for (const plot::Tick& tick : down)
-    if (!tick.label.empty())
-      plot::DrawPath(
-          page,
-          {{left, top + tick.at * area.height}, {left + area.width, top + tick.at * area.height}},
-          plot::kFaint, 1);
-}
-
 }  // namespace
 
 double ResidualRange(const std::vector<cv::Mat1f>& residuals) {
   std::vector<float> sizes;
   for (const cv::Mat1f& residual : residuals)
     for (const float value : residual) sizes.push_back(std::abs(value));
-  return plot::RoundUp(plot::Percentile(std::move(sizes), 0.995));
+  return plot::RoundUp(NearestRank(std::move(sizes), 0.995));
 }
 
 cv::Mat3b ResidualPicture(const cv::Mat1f& residual, double range, int enlarge,
@@ -233,25 +155,23 @@ cv::Mat3b ResidualPicture(const cv::Mat1f& residual, double range, int enlarge,
   cv::resize(colors, colors, {}, enlarge, enlarge, cv::INTER_NEAREST);
 
   constexpr int kBarLabels = 76;
-  const cv::Rect area({plot::kMargin, kTitleHeight}, colors.size());
-  cv::Mat3b page = plot::Page(area.width + 3 * plot::kMargin + kBarWidth + kBarLabels,
-                              area.height + kTitleHeight + plot::kMargin + 24);
-  plot::DrawText(page, title, {plot::kMargin, 0.5 * kTitleHeight}, plot::kCaption,
-                 plot::Align::kLeft);
+  const cv::Rect area({plot::kMargin, plot::kTitleHeight}, colors.size());
+  cv::Mat3b page = plot::Page(area.width + 3 * plot::kMargin + plot::kBarWidth + kBarLabels,
+                              area.height + plot::kTitleHeight + plot::kMargin + 24);
+  plot::DrawTitle(page, plot::kMargin, title);
   plot::Place(page, colors, area.tl());
   const auto label = [&](double share) {
     const std::string number = plot::FormatNumber(share * range);
     return share > 0.0 ? "+" + number : number;
   };
-  const cv::Rect bar(area.x + area.width + plot::kMargin, area.y, kBarWidth, area.height);
-  plot::DrawColorBar(page, bar, [](double t) { return plot::DivergingColor(2.0 * t - 1.0); },
-                     {{0.0, label(-1.0)},
-                      {0.25, label(-0.5)},
-                      {0.5, label(0.0)},
-                      {0.75, label(0.5)},
-                      {1.0, label(1.0)}});
-  plot::DrawText(page, "share of white", {page.cols - 0.5 * plot::kMargin, 0.5 * kTitleHeight},
-                 plot::kLabel, plot::Align::kRight);
+  plot::DrawScaleBeside(
+      page, area, [](double t) { return plot::DivergingColor(2.0 * t - 1.0); },
+      {{0.0, label(-1.0)},
+       {0.25, label(-0.5)},
+       {0.5, label(0.0)},
+       {0.75, label(0.5)},
+       {1.0, label(1.0)}},
+      kUnit);
   int observed = 0;
   const double rms = RootMeanSquare(residual, &observed);
   const int below = area.y + area.height + 24;
@@ -260,14 +180,14 @@ cv::Mat3b ResidualPicture(const cv::Mat1f& residual, double range, int enlarge,
                                     std::to_string(observed) + " pixels"
                               : "nothing observed",
                  {plot::kMargin, double(below)}, plot::kLabel, plot::Align::kLeft);
-  DrawSwatch(page, {area.x + area.width - 110, below}, plot::kUnobserved, "not observed");
+  plot::DrawSwatch(page, {area.x + area.width - 110, below}, plot::kUnobserved, "not observed");
   return page;
 }
 
 cv::Mat3b IntensityPicture(const observe::IntensityMap& map,
                            const std::vector<LightEstimate>& lights) {
   const cv::Mat1f intensity = CloseGaps(map.intensity);
-  const double brightest = plot::Percentile({intensity.begin(), intensity.end()}, 1.0);
+  const double brightest = NearestRank<float>({intensity.begin(), intensity.end()}, 1.0);
   const double top = brightest > 0.0 ? brightest : 1.0;
   cv::Mat3b colors(intensity.size());
   for (int row = 0; row < colors.rows; ++row)
@@ -278,13 +198,12 @@ cv::Mat3b IntensityPicture(const observe::IntensityMap& map,
   cv::resize(colors, colors, size, 0, 0, fits ? cv::INTER_NEAREST : cv::INTER_LINEAR);
 
   constexpr int kLeft = 84, kBelow = 60, kBarLabels = 60, kLine = 22;
-  const MapFrame frame{{{kLeft, kTitleHeight}, colors.size()}};
+  const MapFrame frame{{{kLeft, plot::kTitleHeight}, colors.size()}};
   const cv::Rect& area = frame.area;
   const int lines = static_cast<int>(lights.size());
-  cv::Mat3b page = plot::Page(kLeft + area.width + 2 * plot::kMargin + kBarWidth + kBarLabels,
+  cv::Mat3b page = plot::Page(kLeft + area.width + 2 * plot::kMargin + plot::kBarWidth + kBarLabels,
                               area.y + area.height + kBelow + lines * kLine + plot::kMargin);
-  plot::DrawText(page, "Intensity by reflected direction, and the lights found",
-                 {kLeft, 0.5 * kTitleHeight}, plot::kCaption, plot::Align::kLeft);
+  plot::DrawTitle(page, kLeft, "Intensity by reflected direction, and the lights found");
   plot::Place(page, colors, area.tl());
   for (int i = 0; i < lines; ++i) DrawLight(page, frame, lights[i], i + 1);
 
@@ -298,16 +217,9 @@ cv::Mat3b IntensityPicture(const observe::IntensityMap& map,
   plot::DrawText(page, "azimuth", {area.x + 0.5 * area.width, area.y + area.height + 44.0},
                  plot::kLabel, plot::Align::kCenter);
   plot::DrawTextUpwards(page, "zenith angle", {22.0, area.y + 0.5 * area.height}, plot::kLabel);
-  const cv::Rect bar(area.x + area.width + plot::kMargin, area.y, kBarWidth, area.height);
-  std::vector<plot::Tick> ticks;
-  const double step = plot::RoundUp(top / 6.0);
-  for (int i = 0; i * step <= top * (1.0 + 1e-9); ++i)
-    ticks.push_back({i * step / top, plot::FormatNumber(i * step)});
-  plot::DrawColorBar(page, bar, plot::SequentialColor, ticks);
-  plot::DrawText(page, "share of white", {page.cols - 0.5 * plot::kMargin, 0.5 * kTitleHeight},
-                 plot::kLabel, plot::Align::kRight);
-  DrawSwatch(page, {area.x + area.width - 110, area.y + area.height + 44}, plot::kUnseen,
-             "not seen");
+  plot::DrawScaleBeside(page, area, plot::SequentialColor, plot::LinearTicks(top), kUnit);
+  plot::DrawSwatch(page, {area.x + area.width - 110, area.y + area.height + 44}, plot::kUnseen,
+                   "not seen");
   for (int i = 0; i < lines; ++i)
     plot::DrawText(page, DescribeLight(lights[i], i + 1),
                    {kLeft, area.y + area.height + kBelow + (i + 0.5) * kLine}, plot::kLabel,
@@ -316,45 +228,10 @@ cv::Mat3b IntensityPicture(const observe::IntensityMap& map,
 }
 
 cv::Mat3b ConvergencePicture(const std::vector<IterationRecord>& history) {
-  std::vector<IterationRecord> records = history;
-  std::erase_if(records,
-                [](const IterationRecord& r) { return !(r.rms > 0.0 && std::isfinite(r.rms)); });
-  constexpr int kLeft = 100;
-  cv::Mat3b page = plot::Page(760, 480);
-  plot::DrawText(page, "Residual by iteration", {kLeft, 0.5 * kTitleHeight}, plot::kCaption,
-                 plot::Align::kLeft);
-  const cv::Rect area(kLeft, kTitleHeight, page.cols - kLeft - plot::kMargin - 12,
-                      page.rows - kTitleHeight - 66);
-  int first = history.front().iteration, last = first;
-  double low = records.empty() ? 1.0 : records.front().rms, high = low;
-  for (const IterationRecord& record : records) {
-    first = std::min(first, record.iteration);
-    last = std::max(last, record.iteration);
-    low = std::min(low, record.rms);
-    high = std::max(high, record.rms);
-  }
-  const LogAxis axis = AxisAround(low, high);
-  const std::vector<plot::Tick> across = IterationTicks(first, last);
-  const std::vector<plot::Tick> down = LogTicks(axis);
-  DrawGrid(page, area, across, down);
-  plot::Place(page, page(area).clone(), area.tl());
-  plot::DrawTicksBelow(page, area, across);
-  plot::DrawTicksLeft(page, area, down);
-  plot::DrawText(page, "iteration", {area.x + 0.5 * area.width, area.y + area.height + 46.0},
-                 plot::kLabel, plot::Align::kCenter);
-  plot::DrawTextUpwards(page, "residual rms (share of white)", {22.0, area.y + 0.5 * area.height},
-                        plot::kLabel);
-  std::vector<cv::Point2d> path;
-  path.reserve(records.size());
-  for (const IterationRecord& record : records)
-    path.emplace_back(
-        area.x - 0.5 + area.width * double(record.iteration - first) / std::max(last - first, 1),
-        area.y - 0.5 + axis.At(record.rms) * area.height);
-  const cv::Vec3b color = plot::DivergingColor(-0.9);
-  plot::DrawPath(page, path, color, 2);
-  if (path.size() <= 60)
-    for (const cv::Point2d& point : path) plot::DrawDisc(page, point, 3.5, color);
-  return page;
+  std::vector<plot::CountedValue> values;
+  for (const IterationRecord& record : history) values.push_back({record.iteration, record.rms});
+  return plot::LogCurve({"Residual by iteration", "iteration", "residual rms (share of white)"},
+                        values);
 }
 
 }  // namespace turnlight::estimator::pictures

@@ -152,17 +152,22 @@ void ChooseDistances(const observe::Observations& observations, const model::Mod
 
 Refined Refine(const observe::Observations& observations, const model::Scene& start, double noise,
                double views_per_distinct, const model::ModelChoice& choice,
-               std::vector<model::Rung>& ladder) {
+               std::vector<model::Rung>& ladder, const StopFlag* stop) {
   Refined out;
+  out.options.stop = stop;
   out.views_per_distinct = views_per_distinct;
   out.solution.scene = start;
   SolveOn(observations, out);
+  if (StopRequested(stop)) return out;
   ChooseLoss(observations, noise, out, ladder);
+  if (StopRequested(stop)) return out;
   out.splits = uncertainty::SplitResiduals(observations, out.solution);
+  if (StopRequested(stop)) return out;
   if (choice.specular)
     ladder.push_back({"specular", *choice.specular != model::SpecularModel::kNone, "as asked for"});
   else
     ChooseSpecular(observations, out, ladder);
+  if (StopRequested(stop)) return out;
   ChooseDistances(observations, choice, out, ladder);
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "base/stop_flag.h"
 #include "estimator/model/model_choice.h"
 #include "estimator/model/rung.h"
 #include "estimator/observe/observations.h"
@@ -16,7 +17,7 @@ namespace turnlight::estimator::select {
 // Huber's loss where the residual is more than noise; then what is significant and relevant:
 // specular (peak at least 0.003 of white and 3 sigma_stat), finite distances (about the reference:
 // rho at least 3 sigma and rho R at least 5e-4); or as `choice` says. Returns the last solution
-// with the options it was solved with.
+// with the options it was solved with. With stop set it returns soon, with what is of no use.
 struct Refined {
   solve::Solution solution;
   solve::SolveOptions options;
@@ -32,6 +33,6 @@ struct Refined {
 };
 Refined Refine(const observe::Observations& observations, const model::Scene& start, double noise,
                double views_per_distinct, const model::ModelChoice& choice,
-               std::vector<model::Rung>& ladder);
+               std::vector<model::Rung>& ladder, const StopFlag* stop = nullptr);
 
 }  // namespace turnlight::estimator::select

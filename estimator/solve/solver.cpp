@@ -106,7 +106,7 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
     out.stopped = Stopped::kNotFinite;
     done = true;
   }
-  while (!done && out.iterations < options.max_iterations) {
+  while (!done && out.iterations < options.max_iterations && !StopRequested(options.stop)) {
     const double cost = out.equations.cost;
     const Eigen::VectorXd step =
         DampedStep(out.equations, Values(out.scene, columns), limits, damping);

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "base/stop_flag.h"
 #include "estimator/solve/normal_equations.h"
 
 namespace turnlight::estimator::solve {
@@ -22,6 +23,7 @@ struct SolveOptions {
   bool free_directions = true;
   std::vector<bool> fixed_distance;  // per light; empty: all distances are free
   EvaluateOptions evaluate;
+  const StopFlag* stop = nullptr;  // set: ends before the next iteration, as at its limit
 };
 
 // Why a solve ended.

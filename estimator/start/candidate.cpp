@@ -15,6 +15,7 @@ solve::Solution SolveStart(const Sample& sample, const Candidate& start, int ite
   options.function_tolerance = tolerance;
   options.gauge = solve::Gauge::kDiffuse;
   options.free_directions = free_geometry;
+  options.stop = sample.stop;
   const bool distant = sample.choice.near == false;
   if (!free_geometry || distant) options.fixed_distance.assign(start.scene.lights.size(), true);
   model::Scene scene = start.scene;

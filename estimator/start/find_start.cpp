@@ -19,10 +19,11 @@ constexpr double kSampleSize = 6000.0, kSampledNoise = 0.02, kMostSamples = 8.0;
 }  // namespace
 
 Start FindStart(const observe::Observations& all, double noise, const observe::IntensityMap& map,
-                const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice) {
+                const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice,
+                const StopFlag* stop) {
   const double more = std::clamp(std::pow(noise / kSampledNoise, 2), 1.0, kMostSamples);
   const Sample sample{observe::Subsample(all, static_cast<std::size_t>(kSampleSize * more), 1),
-                      noise, choice};
+                      noise, choice, stop};
   const auto clusters = observe::LeaderClustering(
       observe::HighIntensityArea(map, observe::kHighShare), DegToRad(observe::kClusterRadiusDeg));
   Start out;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/stop_flag.h"
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/model_choice.h"
 #include "estimator/model/rung.h"
@@ -21,8 +22,9 @@ struct Start {
 
 // On a sample of the pixels: from the guess, or from the map's clusters and what else leads
 // further; with the diffuse model, the lobe and the lights that matter on pixels held out. noise:
-// sigma of a value.
+// sigma of a value. With stop set it ends soon, with a start that is of no use.
 Start FindStart(const observe::Observations& all, double noise, const observe::IntensityMap& map,
-                const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice);
+                const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice,
+                const StopFlag* stop = nullptr);
 
 }  // namespace turnlight::estimator::start

@@ -1,6 +1,7 @@
 // What a start is looked for on, and how well it is explained.
 #pragma once
 
+#include "base/stop_flag.h"
 #include "estimator/model/model_choice.h"
 #include "estimator/observe/observations.h"
 
@@ -11,6 +12,7 @@ struct Sample {
   observe::Observations pixels;
   double noise = 0.0;  // sigma of a value
   model::ModelChoice choice;
+  const StopFlag* stop = nullptr;  // set: every fit ends at its next iteration
 };
 
 // How many values, pixels times channels, a sample has.

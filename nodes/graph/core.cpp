@@ -16,6 +16,8 @@ const char* CodeOf(ErrorKind kind) {
       return "device";
     case ErrorKind::kNoEstimate:
       return "no-estimate";
+    case ErrorKind::kInterrupted:
+      return "interrupted";
     case ErrorKind::kSystem:
       return "system";
   }

@@ -11,7 +11,7 @@
 //   lights              a list of {direction, distance (null: distant), intensity, color}
 //   random_lights       instead of lights: {count, min_separation_deg, zenith_max_deg,
 //                       distance: [lo, hi], distant_share, intensity: [lo, hi]}
-//   reflectance         as in truth.json (rig/sim/scene_file.h)
+//   reflectance         as in truth.json (estimator/results/scene_json.h)
 //   random_reflectance  instead of reflectance: {model, diffuse_model, and [lo, hi] of albedo,
 //                       ambient, diffuse, specular, shininess, roughness_deg}
 //   sensor              {bits: 8|16|float, format: png|tiff|exr, encoding: linear|srgb|{gamma: g},

@@ -6,12 +6,15 @@
 #include "base/angles.h"
 #include "base/file.h"
 #include "base/strict_object.h"
-#include "rig/sim/scene_file.h"
+#include "estimator/results/scene_json.h"
+#include "estimator/results/words.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::rig::sim {
 namespace {
 
+using estimator::results::ReadOptionalWord;
+using estimator::results::WordOf;
 using nlohmann::ordered_json;
 
 constexpr std::uint64_t kMaxConfigBytes = 16 << 20;
@@ -113,14 +116,11 @@ Status ReadRandomLights(StrictObject object, SyntheticConfig& config) {
 }
 
 Status ReadRandomReflectance(StrictObject object, SyntheticConfig& config) {
-  using estimator::model::DiffuseModel;
-  using estimator::model::SpecularModel;
   RandomReflectance random;
-  const auto model = object.OptionalChoice("model", {"phong", "blinn-phong", "none"});
-  if (model == "blinn-phong") random.model = SpecularModel::kBlinnPhong;
-  if (model == "none") random.model = SpecularModel::kNone;
-  if (object.OptionalChoice("diffuse_model", {"lambert", "oren-nayar"}) == "oren-nayar")
-    random.diffuse_model = DiffuseModel::kOrenNayar;
+  random.model =
+      ReadOptionalWord<estimator::model::SpecularModel>(object, "model").value_or(random.model);
+  random.diffuse_model = ReadOptionalWord<estimator::model::DiffuseModel>(object, "diffuse_model")
+                             .value_or(random.diffuse_model);
   ReadField(object, "albedo", random.albedo);
   ReadField(object, "ambient", random.ambient);
   ReadField(object, "diffuse", random.diffuse);
@@ -184,7 +184,7 @@ Status ReadParts(StrictObject& object, SyntheticConfig& config) {
   if (auto part = object.OptionalObject("random_lights"))
     if (Status status = ReadRandomLights(*part, config); !status) return status;
   if (auto part = object.OptionalObject("reflectance")) {
-    config.reflectance = ReadReflectance(*part);
+    config.reflectance = estimator::results::ReadReflectance(*part);
     if (Status status = part->Finish(); !status) return status;
   }
   if (auto part = object.OptionalObject("random_reflectance"))
@@ -253,8 +253,8 @@ void AddLights(ordered_json& json, const SyntheticConfig& config) {
 
 void AddReflectance(ordered_json& json, const SyntheticConfig& config) {
   if (const auto* given = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
-    json["reflectance"] = ordered_json{{"model", ModelWord(given->specular_model)},
-                                       {"diffuse_model", ModelWord(given->diffuse_model)},
+    json["reflectance"] = ordered_json{{"model", WordOf(given->specular_model)},
+                                       {"diffuse_model", WordOf(given->diffuse_model)},
                                        {"albedo", ToJson(given->albedo)},
                                        {"ambient", given->ambient},
                                        {"diffuse", given->diffuse},
@@ -265,7 +265,7 @@ void AddReflectance(ordered_json& json, const SyntheticConfig& config) {
   }
   const auto& random = std::get<RandomReflectance>(config.reflectance);
   json["random_reflectance"] = ordered_json{
-      {"model", ModelWord(random.model)},      {"diffuse_model", ModelWord(random.diffuse_model)},
+      {"model", WordOf(random.model)},         {"diffuse_model", WordOf(random.diffuse_model)},
       {"albedo", ToJson(random.albedo)},       {"ambient", ToJson(random.ambient)},
       {"diffuse", ToJson(random.diffuse)},     {"specular", ToJson(random.specular)},
       {"shininess", ToJson(random.shininess)}, {"roughness_deg", ToJson(random.roughness_deg)}};

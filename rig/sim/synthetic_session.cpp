@@ -9,10 +9,10 @@
 #include "base/random.h"
 #include "base/sha256.h"
 #include "base/statistics.h"
+#include "estimator/results/scene_json.h"
 #include "estimator/target/renderer.h"
 #include "rig/session/image_file.h"
 #include "rig/session/session.h"
-#include "rig/sim/scene_file.h"
 #include "rig/sim/studio.h"
 
 namespace turnlight::rig::sim {
@@ -167,7 +167,9 @@ Status WriteSurroundings(const Studio& studio, const Session& session,
   if (const auto* mesh = std::get_if<calib::MeshShape>(&studio.target))
     if (Status status = WriteFileAtomic(root / "target.ply", MeshToPly(*mesh)); !status)
       return status;
-  if (Status status = WriteFileAtomic(root / "truth.json", TruthToJson(studio.scene)); !status)
+  if (Status status =
+          WriteFileAtomic(root / "truth.json", estimator::results::TruthToJson(studio.scene));
+      !status)
     return status;
   return WriteSession(session, root);
 }

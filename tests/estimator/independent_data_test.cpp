@@ -9,10 +9,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/angles.h"
+#include "base/file.h"
 #include "estimator/estimate.h"
+#include "estimator/results/scene_json.h"
 #include "estimator/target/renderer.h"
 #include "rig/session/session.h"
-#include "rig/sim/scene_file.h"
 #include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
@@ -22,7 +23,7 @@ struct Data {
   rig::Session session;
   calib::TargetShape shape;
   std::vector<model::Keyframe> keyframes;
-  std::filesystem::path truth;
+  std::string truth;  // of truth.json
 };
 
 std::filesystem::path Folder(const std::string& name) {
@@ -38,7 +39,9 @@ Data Load(const std::string& name) {
   EXPECT_TRUE(session) << session.error().text;
   auto shape = rig::ReadTarget(*session);
   EXPECT_TRUE(shape) << shape.error().text;
-  Data data{std::move(*session), std::move(*shape), {}, Folder(name) / "truth.json"};
+  const auto truth = ReadFile(Folder(name) / "truth.json", 1 << 20);
+  EXPECT_TRUE(truth) << truth.error().text;
+  Data data{std::move(*session), std::move(*shape), {}, *truth};
   for (std::size_t i = 0; i < data.session.frames.size(); ++i) {
     const rig::FrameRecord& frame = data.session.frames[i];
     auto images = rig::ReadFrameImages(data.session, i);
@@ -59,7 +62,7 @@ class RenderCheck : public testing::TestWithParam<RenderCase> {};
 TEST_P(RenderCheck, EveryFrameTwoPixelsInsideTheOutline) {
   if (Missing(GetParam().name)) GTEST_SKIP() << "no shared data " << Folder(GetParam().name);
   const Data data = Load(GetParam().name);
-  const auto scene = rig::sim::ReadScene(data.truth);
+  const auto scene = results::ParseScene(data.truth, "truth.json");
   ASSERT_TRUE(scene) << scene.error().text;
   const target::Geometry geometry(data.shape);
   const calib::RayGrid rays(*data.session.camera);
@@ -119,7 +122,7 @@ class PovScene : public testing::TestWithParam<const char*> {};
 TEST_P(PovScene, IsFoundWithoutAHint) {
   if (Missing(GetParam())) GTEST_SKIP() << "no shared data " << Folder(GetParam());
   const Data data = Load(GetParam());
-  const auto truth = rig::sim::ReadScene(data.truth);
+  const auto truth = results::ParseScene(data.truth, "truth.json");
   ASSERT_TRUE(truth);
   const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
                                     calib::RayGrid(*data.session.camera), {});
@@ -134,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(PovRay, PovScene,
 TEST(PovSceneTest, ThreeLightsFromAHintFiveDegreesOff) {
   if (Missing("pov_orbit_sphere_3")) GTEST_SKIP() << "no shared data";
   const Data data = Load("pov_orbit_sphere_3");
-  const auto truth = rig::sim::ReadScene(data.truth);
+  const auto truth = results::ParseScene(data.truth, "truth.json");
   ASSERT_TRUE(truth);
   EstimateOptions options;
   options.initial = model::InitialGuess{};
@@ -159,7 +162,7 @@ TEST(PhotographTest, OneLightEachWithinTwoDegreesInTheMean) {
   for (const char* name : names) {
     if (Missing(name)) GTEST_SKIP() << "no shared data " << Folder(name);
     const Data data = Load(name);
-    const auto truth = rig::sim::ReadInitialGuess(data.truth);
+    const auto truth = results::ParseInitialGuess(data.truth, "truth.json");
     ASSERT_TRUE(truth);
     const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
                                       calib::RayGrid(*data.session.camera), {});

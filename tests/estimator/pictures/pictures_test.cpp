@@ -1,6 +1,6 @@
 // Proves which pictures an estimate gets, their names, sizes and exposure, that the same estimate
 // gives the same bits on any number of threads, and that input with nothing to show does not crash.
-// Does not prove what is in each picture: picture_sphere_test and picture_plots_test do.
+// Does not prove what is in each picture: sphere_test and plots_test do.
 #include "estimator/pictures/pictures.h"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,6 @@
-// Proves that the colour maps are symmetric and monotone in lightness, that maps and plots put
-// values where their axes say, and that strange input (all unobserved, one value, huge, not finite)
-// is drawn without a crash and without text cut at the page's edge. Does not prove that the
-// pictures please: that takes eyes.
+// Proves that maps and plots put values where their axes say, and that strange input (all
+// unobserved, one value, huge, not finite) is drawn without a crash and without text cut at the
+// page's edge. Does not prove that the pictures please: that takes eyes.
 #include "estimator/pictures/plots.h"
 
 #include <gtest/gtest.h>
@@ -12,12 +11,13 @@
 
 #include "base/angles.h"
 #include "base/plot/canvas.h"
-#include "base/plot/colours.h"
+#include "tests/base/plot/clear_edge.h"
 
 namespace turnlight::estimator::pictures {
 namespace {
 
 using Eigen::Vector3d;
+using plot::ExpectClearEdge;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -29,96 +29,10 @@ double Lightness(const cv::Vec3b& color) {
   return pixel(0, 0)[0];
 }
 
-// Nothing is drawn within four pixels of the page's edge.
-void ExpectClearEdge(const cv::Mat3b& page) {
-  cv::Mat1b edge(page.size(), uchar{255});
-  edge(cv::Rect(4, 4, page.cols - 8, page.rows - 8)).setTo(0);
-  cv::Mat ink;
-  cv::bitwise_not(page, ink);
-  EXPECT_EQ(cv::norm(ink, cv::NORM_INF, edge), 0.0);
-}
-
 bool Contains(const cv::Mat3b& page, const cv::Vec3b& color) {
   for (const cv::Vec3b& pixel : page)
     if (pixel == color) return true;
   return false;
-}
-
-TEST(DivergingColor, IsSymmetricInLightnessFromWhiteToBlueAndRed) {
-  EXPECT_EQ(plot::DivergingColor(0.0), cv::Vec3b(255, 255, 255));
-  double previous = 101.0;
-  for (double t = 0.0; t <= 1.0; t += 0.05) {
-    const cv::Vec3b red = plot::DivergingColor(t), blue = plot::DivergingColor(-t);
-    EXPECT_NEAR(Lightness(red), Lightness(blue), 4.0) << t;
-    EXPECT_LT(Lightness(red), previous);
-    previous = Lightness(red);
-    if (t > 0.1) {
-      EXPECT_GT(red[0], red[2] + 10) << t;
-      EXPECT_GT(blue[2], blue[0] + 10) << t;
-    }
-  }
-  EXPECT_EQ(plot::DivergingColor(1.0), plot::DivergingColor(1e30));
-  EXPECT_EQ(plot::DivergingColor(-1.0), plot::DivergingColor(-kInf));
-  EXPECT_EQ(plot::DivergingColor(kNan), plot::kUnobserved);
-}
-
-TEST(SequentialColor, GetsLighter) {
-  for (double t = 0.0; t < 0.95; t += 0.05)
-    EXPECT_LT(Lightness(plot::SequentialColor(t)), Lightness(plot::SequentialColor(t + 0.05)));
-  EXPECT_EQ(plot::SequentialColor(-3.0), plot::SequentialColor(0.0));
-  EXPECT_EQ(plot::SequentialColor(kInf), plot::SequentialColor(1.0));
-  EXPECT_EQ(plot::SequentialColor(kNan), plot::kUnseen);
-}
-
-TEST(ToDisplay, EncodesAsSrgb) {
-  cv::Mat3f radiance(1, 4, cv::Vec3f(0.5f, 0.0f, 1.0f));
-  radiance(0, 1) = {-1.0f, 7.0f, kNan};
-  radiance(0, 2) = {0.001f, kInf, -kInf};
-  const cv::Mat3b shown = plot::ToDisplay(radiance, 1.0, 1);
-  EXPECT_EQ(shown(0, 0), cv::Vec3b(188, 0, 255));
-  EXPECT_EQ(shown(0, 1), cv::Vec3b(0, 255, 0));
-  EXPECT_EQ(shown(0, 2), cv::Vec3b(3, 255, 0));
-  EXPECT_EQ(plot::ToDisplay(radiance, 0.5, 3).size(), cv::Size(12, 3));
-}
-
-TEST(Percentile, IsTheNearestRank) {
-  EXPECT_EQ(plot::Percentile({5, 1, 4, 2, 3}, 0.5), 3.0);
-  EXPECT_EQ(plot::Percentile({5, 1, kNan, 4, 2, kInf, 3}, 1.0), 5.0);
-  EXPECT_EQ(plot::Percentile({}, 0.5), 0.0);
-  EXPECT_EQ(plot::Percentile({kNan}, 0.5), 0.0);
-}
-
-TEST(Canvas, NumbersForLabels) {
-  EXPECT_EQ(plot::RoundUp(0.0003), 0.0005);
-  EXPECT_EQ(plot::RoundUp(0.1), 0.1);
-  EXPECT_EQ(plot::RoundUp(7.0), 10.0);
-  EXPECT_EQ(plot::RoundUp(0.0), 1.0);
-  EXPECT_EQ(plot::RoundUp(kInf), 1.0);
-  EXPECT_DOUBLE_EQ(plot::RoundDown(0.0003), 0.0002);
-  EXPECT_DOUBLE_EQ(plot::RoundDown(0.1), 0.1);
-  EXPECT_DOUBLE_EQ(plot::RoundDown(7.0), 5.0);
-  EXPECT_DOUBLE_EQ(plot::RoundDown(0.19), 0.1);
-  EXPECT_EQ(plot::FormatNumber(-0.0), "0");
-  EXPECT_EQ(plot::FormatNumber(0.00123456), "0.00123");
-  EXPECT_EQ(plot::FormatNumber(-1.5e-6), "-1.5e-6");
-  EXPECT_EQ(plot::FormatNumber(2e10), "2e10");
-  EXPECT_EQ(plot::FormatNumber(1e-300), "1e-300");
-  EXPECT_EQ(plot::FormatFixed(-0.001, 2), "0.00");
-  EXPECT_EQ(plot::FormatFixed(359.996, 2), "360.00");
-}
-
-TEST(DrawText, StaysWithinTheWidthItSays) {
-  for (const std::string text :
-       {"Wy, 12.5\xC2\xB0", "i", "a longer line of text (share of white)"}) {
-    cv::Mat3b page = plot::Page(600, 60);
-    plot::DrawText(page, text, {50, 30}, 13, plot::Align::kLeft);
-    cv::Mat1b ink;
-    cv::cvtColor(page, ink, cv::COLOR_RGB2GRAY);
-    const cv::Rect box = cv::boundingRect(ink < 200);
-    EXPECT_GE(box.x, 50);
-    EXPECT_LE(box.x + box.width, 50 + plot::TextWidth(text, 13));
-    EXPECT_GT(box.width, 0);
-  }
 }
 
 TEST(ResidualPicture, ShowsEachValueInItsColour) {

@@ -208,5 +208,19 @@ TEST(Solver, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.scene.reflectance.shininess, two.scene.reflectance.shininess);
 }
 
+TEST(Solver, AStopFlagEndsItBeforeTheNextIteration) {
+  const model::Scene truth = TwoLights();
+  const RandomObservations random(2000, 3, 5, &truth);
+  StopFlag stop{true};
+  SolveOptions options;
+  options.stop = &stop;
+  const model::Scene start = Off(truth, 5.0);
+  const Solution s = Solve(random.observations, start, options);
+  EXPECT_EQ(s.iterations, 0);
+  EXPECT_EQ(s.scene.lights[0].direction, start.lights[0].direction);
+  stop = false;
+  EXPECT_GT(Solve(random.observations, start, options).iterations, 0);
+}
+
 }  // namespace
 }  // namespace turnlight::estimator::solve

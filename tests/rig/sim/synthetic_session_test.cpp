@@ -13,8 +13,8 @@
 #include "base/angles.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "estimator/results/scene_json.h"
 #include "rig/session/session.h"
-#include "rig/sim/scene_file.h"
 #include "tests/temporary_folder.h"
 
 namespace turnlight::rig::sim {
@@ -231,7 +231,9 @@ TEST(SyntheticSession, AWrittenSessionIsTheOneInMemory) {
     EXPECT_EQ(session->frames[i].X_WC.rotation, memory.frames[i].X_WC.rotation);
     EXPECT_EQ(session->frames[i].exposure.exposure_us, memory.frames[i].exposure.exposure_us);
   }
-  const auto scene = ReadScene(folder.path() / "s" / "truth.json");
+  const auto truth = ReadFile(folder.path() / "s" / "truth.json", 1 << 20);
+  ASSERT_TRUE(truth) << truth.error().text;
+  const auto scene = estimator::results::ParseScene(*truth, "truth.json");
   ASSERT_TRUE(scene) << scene.error().text;
   EXPECT_EQ(scene->lights[1].direction, memory.scene.lights[1].direction);
   EXPECT_EQ(scene->reflectance.shininess, memory.scene.reflectance.shininess);

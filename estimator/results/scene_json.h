@@ -1,5 +1,6 @@
-// Scenes in files: truth.json, which says what a scene is, and result.json, which says what an
-// estimate found. Both serve as `render --params` and as `estimate --initial`.
+// Scenes as text: truth.json, which says what a scene is, and result.json, which says what an
+// estimate found. Both serve as `render --params` and as `estimate --initial`. `file` is only for
+// messages.
 //
 // truth.json:
 //   {"lights": [{"direction": [x,y,z], "position": [x,y,z] or null, "intensity": 1.0,
@@ -11,10 +12,12 @@
 // `color`, `inverse_distance`, `diffuse_model`, `roughness_deg` and `note` are optional, and keys
 // that begin with "x-" are free. `model` is "phong", "blinn-phong", or "lambert" or "none" for no
 // specular part, in which case (or with `specular` 0) `shininess` may be left out or null. A
-// direction need not be exactly unit.
+// direction need not be exactly unit. People write this file: a key that is not listed is refused.
+//
+// Of a result.json only lights, model and reflectance are read, and keys that are not known are
+// passed over: the rule is in result_json.h.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "base/result.h"
@@ -22,29 +25,22 @@
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/scene.h"
 
-namespace turnlight::rig::sim {
+namespace turnlight::estimator::results {
 
 // A whole scene, ready to be rendered. Fails (kInput): no reflectance, a light without intensity, a
 // position and a direction (or a position and an inverse_distance) that disagree by more than 0.1
 // degree (0.1 %), a zero direction, shininess outside [0.5, 1e5], anything negative.
-Result<estimator::model::Scene> ReadScene(const std::filesystem::path& path);
-Result<estimator::model::Scene> ParseScene(const std::string& text, const std::string& file);
+Result<model::Scene> ParseScene(const std::string& text, const std::string& file);
 
 // A start for the estimator: directions suffice. The direction wins over the position, whose length
 // gives the distance; both from W's origin. The result.json of an earlier estimate is a full guess.
-Result<estimator::model::InitialGuess> ReadInitialGuess(const std::filesystem::path& path);
-Result<estimator::model::InitialGuess> ParseInitialGuess(const std::string& text,
-                                                         const std::string& file);
+Result<model::InitialGuess> ParseInitialGuess(const std::string& text, const std::string& file);
 
 // The text of a truth.json; ParseScene gives back the same bits in every number but roughness,
 // which passes through degrees.
-std::string TruthToJson(const estimator::model::Scene& scene, const std::string& note = "");
+std::string TruthToJson(const model::Scene& scene, const std::string& note = "");
 
 // The keys of `reflectance` above, read from an object; refusals are left in the object.
-estimator::model::Reflectance ReadReflectance(StrictObject& object);
+model::Reflectance ReadReflectance(StrictObject& object);
 
-// The words used in files.
-std::string ModelWord(estimator::model::SpecularModel model);  // "none", "phong", "blinn-phong"
-std::string ModelWord(estimator::model::DiffuseModel model);   // "lambert", "oren-nayar"
-
-}  // namespace turnlight::rig::sim
+}  // namespace turnlight::estimator::results

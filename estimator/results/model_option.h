@@ -6,12 +6,15 @@
 #include "base/result.h"
 #include "estimator/model/model_choice.h"
 
-namespace turnlight::app {
+namespace turnlight::estimator::results {
 
 // "key=value" with one of
 //   lights=1..32  diffuse=lambert|oren-nayar  specular=none|phong|blinn-phong
 //   lights-are=near|distant
 // Fails (kInput) on an unknown key or value, naming the nearest or what is allowed.
-Status ApplyModelOption(const std::string& option, estimator::model::ModelChoice& choice);
+Status ApplyModelOption(const std::string& option, model::ModelChoice& choice);
 
-}  // namespace turnlight::app
+// Keys and values, as a command's help lists them.
+std::string ModelOptionHelp();
+
+}  // namespace turnlight::estimator::results

@@ -1,8 +1,7 @@
-#include "rig/sim/scene_file.h"
+#include "estimator/results/scene_json.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,21 +9,22 @@
 #include <vector>
 
 #include "base/angles.h"
-#include "base/file.h"
+#include "base/format.h"
+#include "estimator/results/words.h"
 
-namespace turnlight::rig::sim {
+namespace turnlight::estimator::results {
 namespace {
 
-using estimator::model::DiffuseModel;
-using estimator::model::InitialGuess;
-using estimator::model::Light;
-using estimator::model::Reflectance;
-using estimator::model::Scene;
-using estimator::model::SpecularModel;
+using model::DiffuseModel;
+using model::InitialGuess;
+using model::Light;
+using model::Reflectance;
+using model::Scene;
+using model::SpecularModel;
 
+constexpr int kDigits = 4;  // of numbers in messages
 constexpr double kMaxDisagreementDeg = 0.1;
 constexpr double kMaxDistanceDisagreement = 1e-3;
-constexpr std::uint64_t kMaxFileBytes = 64 << 20;
 
 enum class Purpose { kRender, kGuess };
 
@@ -49,26 +49,20 @@ std::optional<double> OptionalNumberOrNull(StrictObject& object, const char* key
   return object.Raw(key).is_null() ? std::nullopt : object.OptionalNumber(key, range);
 }
 
-std::string Show(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 // Position and direction, and position and inverse distance, must say the same of a scene.
 void CheckPosition(StrictObject& object, const Light& light, const Eigen::Vector3d& position,
                    bool has_inverse_distance) {
   const double angle_deg =
       RadToDeg(std::atan2(light.direction.cross(position).norm(), light.direction.dot(position)));
   if (!(angle_deg <= kMaxDisagreementDeg))
-    object.RefuseText("position", "it lies " + Show(angle_deg) +
+    object.RefuseText("position", "it lies " + NumberText(angle_deg, kDigits) +
                                       " degrees off the light's direction, allowed is at most " +
-                                      Show(kMaxDisagreementDeg));
+                                      NumberText(kMaxDisagreementDeg, kDigits));
   if (!has_inverse_distance) return;
   const double relative = std::abs(light.inverse_distance * position.norm() - 1.0);
   if (!(relative <= kMaxDistanceDisagreement))
     object.RefuseText("inverse_distance", "it disagrees with the length of position by " +
-                                              Show(100.0 * relative) +
+                                              NumberText(100.0 * relative, kDigits) +
                                               " %, allowed is at most 0.1 %");
 }
 
@@ -93,24 +87,11 @@ struct LightRead {
   bool has_intensity = false;
 };
 
-// Keys of result.json that say how well the light is known, or repeat it.
-constexpr const char* kResultLightKeys[] = {"direction_sigma_deg",
-                                            "inverse_distance_sigma",
-                                            "distance",
-                                            "distance_sigma",
-                                            "distance_min",
-                                            "position_covariance",
-                                            "direction_at_reference",
-                                            "intensity_sigma",
-                                            "stat",
-                                            "model"};
-
 Result<LightRead> ReadLight(StrictObject object, Purpose purpose, bool from_result) {
   LightRead read;
   if (from_result) {
-    for (const char* key : kResultLightKeys) object.Ignore(key);
+    object.AllowUnknown();
     // The position repeats direction and inverse distance, rounded; those two are exact.
-    object.Ignore("position");
     read.light.direction = ToVector(object.Numbers("direction", 3));
     read.light.inverse_distance = object.Number("inverse_distance", {.min = 0.0});
     if (object.ok() && !(read.light.direction.stableNorm() > 1e-100))
@@ -169,10 +150,8 @@ double SpecularOf(StrictObject& object, SpecularModel model) {
 // A lobe that is not there has no width: its shininess may be absent.
 double ShininessOf(StrictObject& object, double specular) {
   if (specular > 0.0)
-    return object.Number("shininess", {.min = estimator::model::kMinShininess,
-                                       .max = estimator::model::kMaxShininess});
-  return OptionalNumberOrNull(object, "shininess",
-                              {.min = 0.0, .max = estimator::model::kMaxShininess})
+    return object.Number("shininess", {.min = model::kMinShininess, .max = model::kMaxShininess});
+  return OptionalNumberOrNull(object, "shininess", {.min = 0.0, .max = model::kMaxShininess})
       .value_or(1.0);
 }
 
@@ -186,24 +165,17 @@ double RoughnessOf(StrictObject& object, DiffuseModel model) {
 
 Result<Reflectance> ReadResultReflectance(StrictObject object, StrictObject model) {
   Reflectance reflectance;
-  const std::string specular = model.Choice("specular", {"none", "phong", "blinn-phong"});
-  const std::string diffuse = model.Choice("diffuse", {"lambert", "oren-nayar"});
-  for (const char* key : {"lights", "near", "albedo", "ladder"}) model.Ignore(key);
-  model.AllowPrefix("x-");
+  reflectance.specular_model = ReadWord<SpecularModel>(model, "specular");
+  reflectance.diffuse_model = ReadWord<DiffuseModel>(model, "diffuse");
+  model.AllowUnknown();
   if (Status status = model.Finish(); !status) return Forward(status);
-  reflectance.specular_model = specular == "none"    ? SpecularModel::kNone
-                               : specular == "phong" ? SpecularModel::kPhong
-                                                     : SpecularModel::kBlinnPhong;
-  reflectance.diffuse_model =
-      diffuse == "lambert" ? DiffuseModel::kLambert : DiffuseModel::kOrenNayar;
   reflectance.albedo = ToVector(object.Numbers("albedo", 3, {.min = 0.0}));
   reflectance.ambient = object.Number("ambient", {.min = 0.0});
   reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
   reflectance.specular = SpecularOf(object, reflectance.specular_model);
   reflectance.shininess = ShininessOf(object, reflectance.specular);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
-  for (const char* key : {"lobe", "sigma"}) object.Ignore(key);
-  object.AllowPrefix("x-");
+  object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
   return reflectance;
 }
@@ -215,11 +187,7 @@ Result<SceneRead> ReadResult(StrictObject object, Purpose purpose) {
   if (!read) return read;
   StrictObject reflectance_object = object.Object("reflectance");
   StrictObject model_object = object.Object("model");
-  for (const char* key :
-       {"session", "method", "reference_point", "products", "residual", "identifiability", "notes",
-        "views", "distinct_views", "iterations", "stopped", "time_s"})
-    object.Ignore(key);
-  object.AllowPrefix("x-");
+  object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
   auto reflectance = ReadResultReflectance(reflectance_object, model_object);
   if (!reflectance) return Forward(reflectance);
@@ -241,7 +209,7 @@ Result<SceneRead> Read(const std::string& text, const std::string& file, Purpose
 
 nlohmann::ordered_json VectorToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-nlohmann::ordered_json LightToJson(const Light& light) {
+nlohmann::ordered_json TruthLight(const Light& light) {
   nlohmann::ordered_json json;
   json["direction"] = VectorToJson(light.direction);
   json["position"] = nullptr;
@@ -257,35 +225,20 @@ nlohmann::ordered_json LightToJson(const Light& light) {
 
 Reflectance ReadReflectance(StrictObject& object) {
   Reflectance reflectance;
-  const std::string model = object.Choice("model", {"phong", "blinn-phong", "lambert", "none"});
-  reflectance.specular_model = model == "phong"         ? SpecularModel::kPhong
-                               : model == "blinn-phong" ? SpecularModel::kBlinnPhong
-                                                        : SpecularModel::kNone;
+  // A truth may say "lambert" for a surface without a lobe.
+  std::vector<std::string> models = AllWords<SpecularModel>();
+  models.push_back(WordOf(DiffuseModel::kLambert));
+  reflectance.specular_model =
+      ValueOf<SpecularModel>(object.Choice("model", models)).value_or(SpecularModel::kNone);
   reflectance.albedo = ToVector(object.Numbers("albedo", 3, {.min = 0.0}));
   reflectance.ambient = object.Number("ambient", {.min = 0.0});
   reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
   reflectance.specular = SpecularOf(object, reflectance.specular_model);
   reflectance.shininess = ShininessOf(object, reflectance.specular);
-  if (object.OptionalChoice("diffuse_model", {"lambert", "oren-nayar"}) == "oren-nayar")
-    reflectance.diffuse_model = DiffuseModel::kOrenNayar;
+  reflectance.diffuse_model =
+      ReadOptionalWord<DiffuseModel>(object, "diffuse_model").value_or(DiffuseModel::kLambert);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
   return reflectance;
-}
-
-std::string ModelWord(SpecularModel model) {
-  switch (model) {
-    case SpecularModel::kNone:
-      return "none";
-    case SpecularModel::kPhong:
-      return "phong";
-    case SpecularModel::kBlinnPhong:
-      return "blinn-phong";
-  }
-  return "none";
-}
-
-std::string ModelWord(DiffuseModel model) {
-  return model == DiffuseModel::kLambert ? "lambert" : "oren-nayar";
 }
 
 Result<Scene> ParseScene(const std::string& text, const std::string& file) {
@@ -314,25 +267,13 @@ Result<InitialGuess> ParseInitialGuess(const std::string& text, const std::strin
   return guess;
 }
 
-Result<Scene> ReadScene(const std::filesystem::path& path) {
-  auto text = ReadFile(path, kMaxFileBytes);
-  if (!text) return Forward(text);
-  return ParseScene(*text, path.string());
-}
-
-Result<InitialGuess> ReadInitialGuess(const std::filesystem::path& path) {
-  auto text = ReadFile(path, kMaxFileBytes);
-  if (!text) return Forward(text);
-  return ParseInitialGuess(*text, path.string());
-}
-
 std::string TruthToJson(const Scene& scene, const std::string& note) {
   nlohmann::ordered_json json;
   json["lights"] = nlohmann::ordered_json::array();
-  for (const Light& light : scene.lights) json["lights"].push_back(LightToJson(light));
+  for (const Light& light : scene.lights) json["lights"].push_back(TruthLight(light));
   const Reflectance& r = scene.reflectance;
   auto& out = json["reflectance"];
-  out["model"] = ModelWord(r.specular_model);
+  out["model"] = WordOf(r.specular_model);
   out["albedo"] = VectorToJson(r.albedo);
   out["ambient"] = r.ambient;
   out["diffuse"] = r.diffuse;
@@ -340,11 +281,11 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   out["specular"] = has_lobe ? r.specular : 0.0;
   out["shininess"] = has_lobe ? nlohmann::ordered_json(r.shininess) : nullptr;
   if (r.diffuse_model == DiffuseModel::kOrenNayar) {
-    out["diffuse_model"] = ModelWord(r.diffuse_model);
+    out["diffuse_model"] = WordOf(r.diffuse_model);
     out["roughness_deg"] = RadToDeg(r.roughness);
   }
   if (!note.empty()) json["note"] = note;
   return json.dump(1) + "\n";
 }
 
-}  // namespace turnlight::rig::sim
+}  // namespace turnlight::estimator::results

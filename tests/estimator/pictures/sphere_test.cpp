@@ -2,7 +2,7 @@
 // for distant and near lights, on a board, on the ground and on the target; that taking a picture
 // apart and relighting it leaves no seam; that places are in view. Does not prove that the pictures
 // please: that takes eyes.
-#include "estimator/pictures/picture_sphere.h"
+#include "estimator/pictures/sphere.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 #include "base/angles.h"
 #include "base/parallel.h"
-#include "estimator/pictures/picture_view.h"
+#include "estimator/pictures/view.h"
 #include "estimator/target/renderer.h"
 
 namespace turnlight::estimator::pictures {

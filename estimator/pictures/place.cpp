@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "base/angles.h"
-#include "estimator/pictures/picture_sphere.h"
+#include "estimator/pictures/sphere.h"
 
 namespace turnlight::estimator::pictures {
 namespace {

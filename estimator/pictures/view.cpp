@@ -1,4 +1,4 @@
-#include "estimator/pictures/picture_view.h"
+#include "estimator/pictures/view.h"
 
 #include <opencv2/imgproc.hpp>
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimator/pictures/picture_view.h"
+#include "estimator/pictures/view.h"
 
 namespace turnlight::estimator::pictures {
 

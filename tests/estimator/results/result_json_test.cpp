@@ -1,62 +1,31 @@
 // Proves that every value of an estimate lands under the design's key, that nothing unknown becomes
-// a number, and that a written result reads back as the scene that was estimated. Does not prove
+// a number, that a written result reads back as the scene that was estimated, and that the design
+// lists every key that is written. Does not prove
 // that the values are right; tests/estimator does.
-#include "app/result_json.h"
+#include "estimator/results/result_json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
-#include "app/summary.h"
 #include "base/angles.h"
-#include "rig/sim/scene_file.h"
+#include "estimator/results/scene_json.h"
+#include "tests/estimator/results/example_estimate.h"
 
-namespace turnlight::app {
+namespace turnlight::estimator::results {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-estimator::Estimate Example() {
-  estimator::Estimate e;
-  estimator::LightEstimate near;
-  near.light = {Eigen::Vector3d(0.36, 0.48, 0.8), 1.0 / 700.0, 1.0, {1, 1, 1}};
-  near.near = true;
-  near.direction_sigma = DegToRad(0.012);
-  near.inverse_distance_sigma = 2e-6;
-  near.distance = 700.0;
-  near.distance_sigma = 1.24;
-  near.distance_min = 697.6;
-  near.position = Eigen::Vector3d(252, 336, 560);
-  near.position_covariance = Eigen::Matrix3d::Identity();
-  near.diffuse_product = {0.1, 0.2, 0.3};
-  near.specular_product = 0.35;
-  estimator::LightEstimate distant;
-  distant.light = {Eigen::Vector3d::UnitZ(), 0.0, 0.5, {1, 1, 1}};
-  distant.intensity_sigma = 0.01;
-  distant.distance_min = 9000.0;
-  e.lights = {near, distant};
-  e.stat.lights.resize(2);
-  e.stat.lights[0].direction = DegToRad(0.004);
-  e.stat.lights[0].distance = 0.5;
-  e.stat.lights[1].distance = 0.5;  // of a distance that is not given
-  e.reflectance.albedo = {0.4, 0.9, 1.0};
-  e.reflectance.specular = 0.35;
-  e.reflectance.shininess = 40.0;
-  e.sigma.shininess = 0.4;
-  e.condition = 1234.0;
-  e.pixels = 4321;
-  e.views = 36;
-  e.ladder = {{"one more light", false, "it explains 0.01 % of the energy"}};
-  e.notes = {{"views-add-nothing", "all views show the same"}};
-  e.stopped = estimator::solve::Stopped::kTolerance;
-  return e;
-}
-
-nlohmann::ordered_json ToJson(const estimator::Estimate& e) {
-  return ResultToJson(e, "name", "lm", {0.5, 2.0});
+nlohmann::ordered_json ToJson(const Estimate& e) {
+  return nlohmann::ordered_json::parse(ResultToJson(e, "name", Method::kLeastSquares, {0.5, 2.0}));
 }
 
 std::string Codes(const nlohmann::ordered_json& json) {
@@ -66,7 +35,7 @@ std::string Codes(const nlohmann::ordered_json& json) {
 }
 
 TEST(ResultJson, ValuesStandUnderTheirKeys) {
-  const auto json = ToJson(Example());
+  const auto json = ToJson(ExampleEstimate());
   EXPECT_EQ(json["model"]["near"], nlohmann::json({true, false}));
   EXPECT_EQ(json["model"]["ladder"][0]["accepted"], false);
   EXPECT_NEAR(json["lights"][0]["direction_sigma_deg"].get<double>(), 0.012, 1e-12);
@@ -83,7 +52,7 @@ TEST(ResultJson, ValuesStandUnderTheirKeys) {
 }
 
 TEST(ResultJson, WhatIsUnknownIsNullWithANote) {
-  const auto json = ToJson(Example());
+  const auto json = ToJson(ExampleEstimate());
   EXPECT_TRUE(json["lights"][0]["intensity_sigma"].is_null());
   EXPECT_TRUE(json["lights"][1]["distance"].is_null());
   EXPECT_TRUE(json["lights"][1]["position"].is_null());
@@ -94,8 +63,8 @@ TEST(ResultJson, WhatIsUnknownIsNullWithANote) {
 }
 
 TEST(ResultJson, WithoutALobeThereIsNoShininess) {
-  estimator::Estimate e = Example();
-  e.reflectance.specular_model = estimator::model::SpecularModel::kNone;
+  Estimate e = ExampleEstimate();
+  e.reflectance.specular_model = model::SpecularModel::kNone;
   e.sigma.shininess.reset();
   const auto json = ToJson(e);
   EXPECT_TRUE(json["reflectance"]["shininess"].is_null());
@@ -104,7 +73,7 @@ TEST(ResultJson, WithoutALobeThereIsNoShininess) {
 }
 
 TEST(ResultJson, NoInfinityGetsOut) {
-  estimator::Estimate e = Example();
+  Estimate e = ExampleEstimate();
   e.condition = std::numeric_limits<double>::infinity();
   e.lights[0].inverse_distance_sigma = std::numeric_limits<double>::quiet_NaN();
   const auto json = ToJson(e);
@@ -115,12 +84,12 @@ TEST(ResultJson, NoInfinityGetsOut) {
 }
 
 TEST(ResultJson, ReadsBackAsTheSameScene) {
-  estimator::Estimate e = Example();
-  e.reflectance.diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
+  Estimate e = ExampleEstimate();
+  e.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
   e.reflectance.roughness = DegToRad(20.0);
   e.reflectance.ambient = 1.0 / 3.0;
   e.lights[1].light.color = {1.0, 0.9, 0.7};
-  const auto scene = rig::sim::ParseScene(ToJson(e).dump(1), "result.json");
+  const auto scene = ParseScene(ResultToJson(e, "name", Method::kPaper, {}), "result.json");
   ASSERT_TRUE(scene) << scene.error().text;
   ASSERT_EQ(scene->lights.size(), 2u);
   for (int i = 0; i < 2; ++i) {
@@ -136,33 +105,49 @@ TEST(ResultJson, ReadsBackAsTheSameScene) {
 }
 
 TEST(ResultJson, LobeWidthIsWhereTheLobeHalves) {
-  estimator::model::Reflectance phong;
+  model::Reflectance phong;
   phong.shininess = 40.0;
   const double half = DegToRad(LobeWidthDeg(phong) / 2.0);
   EXPECT_NEAR(std::pow(std::cos(half), 40.0), 0.5, 1e-12);
-  estimator::model::Reflectance blinn = phong;
-  blinn.specular_model = estimator::model::SpecularModel::kBlinnPhong;
+  model::Reflectance blinn = phong;
+  blinn.specular_model = model::SpecularModel::kBlinnPhong;
   EXPECT_DOUBLE_EQ(LobeWidthDeg(blinn), 2.0 * LobeWidthDeg(phong));
 }
 
-TEST(Summary, RoundsToTheSigma) {
-  EXPECT_EQ(Measure(700.1234, 1.24), "700.1 \u00b1 1.2");
-  EXPECT_EQ(Measure(0.123456, 0.00045), "0.12346 \u00b1 0.00045");
-  EXPECT_EQ(Measure(1234.5, 56.0), "1234 \u00b1 56");
-  EXPECT_EQ(Measure(0.5, 0.0), "0.5");
-  EXPECT_EQ(Measure(0.5, std::numeric_limits<double>::infinity()), "0.5");
+void CollectKeys(const nlohmann::ordered_json& json, std::set<std::string>& keys) {
+  for (const auto& [key, value] : json.items()) {
+    if (json.is_object()) keys.insert(key);
+    if (value.is_structured()) CollectKeys(value, keys);
+  }
 }
 
-TEST(Summary, SaysWhatWasFound) {
-  const std::string text = Summary(Example(), "ball", "mm");
-  EXPECT_THAT(text, HasSubstr("ball: 36 views, 4321 pixels"));
-  EXPECT_THAT(text, HasSubstr("2 lights (1 near, 1 distant), Lambert + Phong"));
-  EXPECT_THAT(text, HasSubstr("distance 700.0 \u00b1 1.2 mm"));
-  EXPECT_THAT(text, HasSubstr("beyond 9e+03 mm, 95 %"));
-  EXPECT_THAT(text, HasSubstr("shininess 40.00 \u00b1 0.40"));
-  EXPECT_THAT(text, HasSubstr("one more light: it explains"));
-  EXPECT_THAT(text, HasSubstr("views-add-nothing"));
+TEST(ResultJson, TheDesignListsEveryKey) {
+  Estimate e = ExampleEstimate();
+  e.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
+  e.lights[1].light.color = {1.0, 0.9, 0.7};
+  std::set<std::string> keys;
+  CollectKeys(nlohmann::ordered_json::parse(ResultToJson(e, "name", Method::kPaper, {})), keys);
+  EXPECT_GT(keys.size(), 60u);
+  std::ifstream file(std::string(TURNLIGHT_SOURCE_DIR) + "/docs/design.md");
+  std::stringstream design;
+  design << file.rdbuf();
+  const std::string text = design.str();
+  const std::string section = text.substr(text.find("\n## 8. "));
+  for (const std::string& key : keys)
+    EXPECT_TRUE(section.find('"' + key + '"') != std::string::npos ||
+                section.find('`' + key + '`') != std::string::npos)
+        << key;
+}
+
+TEST(ResultJson, EveryReasonToStopHasAWord) {
+  for (const auto& [word, stopped] : Words<solve::Stopped>()) {
+    Estimate e = ExampleEstimate();
+    e.stopped = stopped;
+    EXPECT_EQ(ToJson(e)["stopped"], word);
+    EXPECT_EQ(ValueOf<solve::Stopped>(word), stopped);
+  }
+  EXPECT_EQ(ValueOf<solve::Stopped>("tired"), std::nullopt);
 }
 
 }  // namespace
-}  // namespace turnlight::app
+}  // namespace turnlight::estimator::results

@@ -1,17 +1,15 @@
-#include "app/result_json.h"
+#include "estimator/results/result_json.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 #include "base/angles.h"
-#include "rig/sim/scene_file.h"
 
-namespace turnlight::app {
+namespace turnlight::estimator::results {
 namespace {
 
-using estimator::Estimate;
-using estimator::LightEstimate;
 using nlohmann::ordered_json;
 
 ordered_json ToJson(double value) {
@@ -38,11 +36,11 @@ ordered_json ToJson(const std::optional<T>& value) {
 }
 
 bool HasLobe(const Estimate& estimate) {
-  return estimate.reflectance.specular_model != estimator::model::SpecularModel::kNone;
+  return estimate.reflectance.specular_model != model::SpecularModel::kNone;
 }
 
 bool IsOrenNayar(const Estimate& estimate) {
-  return estimate.reflectance.diffuse_model == estimator::model::DiffuseModel::kOrenNayar;
+  return estimate.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
 }
 
 ordered_json ModelToJson(const Estimate& estimate) {
@@ -50,18 +48,17 @@ ordered_json ModelToJson(const Estimate& estimate) {
   json["lights"] = estimate.lights.size();
   json["near"] = ordered_json::array();
   for (const LightEstimate& light : estimate.lights) json["near"].push_back(light.near);
-  json["diffuse"] = rig::sim::ModelWord(estimate.reflectance.diffuse_model);
-  json["specular"] = rig::sim::ModelWord(estimate.reflectance.specular_model);
+  json["diffuse"] = WordOf(estimate.reflectance.diffuse_model);
+  json["specular"] = WordOf(estimate.reflectance.specular_model);
   json["albedo"] = "uniform";
   json["ladder"] = ordered_json::array();
-  for (const estimator::model::Rung& rung : estimate.ladder)
+  for (const model::Rung& rung : estimate.ladder)
     json["ladder"].push_back(
         ordered_json{{"rung", rung.rung}, {"accepted", rung.accepted}, {"why", rung.why}});
   return json;
 }
 
-ordered_json LightToJson(const LightEstimate& estimate,
-                         const estimator::uncertainty::LightSigma* stat) {
+ordered_json LightToJson(const LightEstimate& estimate, const uncertainty::LightSigma* stat) {
   ordered_json json;
   json["direction"] = ToJson(estimate.light.direction);
   json["direction_sigma_deg"] = ToJson(RadToDeg(estimate.direction_sigma));
@@ -87,7 +84,7 @@ ordered_json LightToJson(const LightEstimate& estimate,
   return json;
 }
 
-ordered_json SigmaToJson(const Estimate& estimate, const estimator::ReflectanceSigma& sigma) {
+ordered_json SigmaToJson(const Estimate& estimate, const ReflectanceSigma& sigma) {
   ordered_json json;
   json["albedo"] = ToJson(sigma.albedo);
   json["ambient"] = ToJson(sigma.ambient);
@@ -101,7 +98,7 @@ ordered_json SigmaToJson(const Estimate& estimate, const estimator::ReflectanceS
 }
 
 ordered_json ReflectanceToJson(const Estimate& estimate) {
-  const estimator::model::Reflectance& reflectance = estimate.reflectance;
+  const model::Reflectance& reflectance = estimate.reflectance;
   ordered_json json;
   json["albedo"] = ToJson(reflectance.albedo);
   json["ambient"] = ToJson(reflectance.ambient);
@@ -114,7 +111,7 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
     json["lobe"] = ordered_json{{"peak", ToJson(reflectance.specular)},
                                 {"fwhm_deg", ToJson(LobeWidthDeg(reflectance))}};
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
-  const estimator::uncertainty::Uncertainty& stat = estimate.stat;
+  const uncertainty::Uncertainty& stat = estimate.stat;
   if (estimate.has_sigmas)
     json["sigma"]["stat"] = SigmaToJson(estimate, {stat.albedo, stat.ambient, stat.diffuse,
                                                    stat.specular, stat.shininess, stat.roughness});
@@ -137,7 +134,7 @@ ordered_json ProductsToJson(const Estimate& estimate) {
   ordered_json& stat = json["stat"];
   for (const char* key : {"diffuse_sigma", "specular_sigma"}) stat[key] = ordered_json::array();
   stat["ambient_sigma"] = ToJson(estimate.stat.ambient_product);
-  for (const estimator::uncertainty::LightSigma& light : estimate.stat.lights) {
+  for (const uncertainty::LightSigma& light : estimate.stat.lights) {
     stat["diffuse_sigma"].push_back(ToJson(light.diffuse_product));
     stat["specular_sigma"].push_back(ToJson(light.specular_product));
   }
@@ -156,8 +153,8 @@ std::string List(const std::vector<std::size_t>& numbers) {
 
 // Why some values of the file are null, where the estimator has not said it ("distance-unknown",
 // "no-highlight").
-std::vector<estimator::Note> NotesOnNulls(const Estimate& estimate) {
-  std::vector<estimator::Note> notes;
+std::vector<Note> NotesOnNulls(const Estimate& estimate) {
+  std::vector<Note> notes;
   std::vector<std::size_t> unbounded;
   for (std::size_t i = 0; i < estimate.lights.size(); ++i)
     if (!estimate.lights[i].distance_min) unbounded.push_back(i + 1);
@@ -208,44 +205,29 @@ void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
 
 ordered_json NotesToJson(const Estimate& estimate) {
   ordered_json json = ordered_json::array();
-  const auto add = [&](const estimator::Note& note) {
+  const auto add = [&](const Note& note) {
     json.push_back(ordered_json{{"code", note.code}, {"text", note.text}});
   };
-  for (const estimator::Note& note : estimate.notes) add(note);
+  for (const Note& note : estimate.notes) add(note);
   if (estimate.has_sigmas)
-    for (const estimator::Note& note : NotesOnNulls(estimate)) add(note);
+    for (const Note& note : NotesOnNulls(estimate)) add(note);
   return json;
 }
 
 }  // namespace
 
-const char* StoppedWord(estimator::solve::Stopped stopped) {
-  switch (stopped) {
-    case estimator::solve::Stopped::kTolerance:
-      return "converged";
-    case estimator::solve::Stopped::kNoDescent:
-      return "no-descent";
-    case estimator::solve::Stopped::kIterationLimit:
-      return "iteration-limit";
-    case estimator::solve::Stopped::kNotFinite:
-      return "not-finite";
-  }
-  return "";
+double LobeWidthDeg(const model::Reflectance& reflectance) {
+  const double half = RadToDeg(model::LobeHalfWidth(reflectance.shininess));
+  return reflectance.specular_model == model::SpecularModel::kBlinnPhong ? 4.0 * half : 2.0 * half;
 }
 
-double LobeWidthDeg(const estimator::model::Reflectance& reflectance) {
-  const double half = RadToDeg(estimator::model::LobeHalfWidth(reflectance.shininess));
-  return reflectance.specular_model == estimator::model::SpecularModel::kBlinnPhong ? 4.0 * half
-                                                                                    : 2.0 * half;
-}
-
-ordered_json ResultToJson(const Estimate& estimate, const std::string& session_name,
-                          const std::string& method, const RunTimes& times) {
+std::string ResultToJson(const Estimate& estimate, const std::string& session_name, Method method,
+                         const RunTimes& times) {
   ordered_json json;
   json["format"] = "turnlight-result";
   json["version"] = 1;
   json["session"] = session_name;
-  json["method"] = method;
+  json["method"] = WordOf(method);
   json["reference_point"] = ToJson(estimate.reference_point);
   json["model"] = ModelToJson(estimate);
   json["lights"] = ordered_json::array();
@@ -264,17 +246,17 @@ ordered_json ResultToJson(const Estimate& estimate, const std::string& session_n
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;
-  json["stopped"] = StoppedWord(estimate.stopped);
+  json["stopped"] = WordOf(estimate.stopped);
   json["time_s"] = ordered_json{{"load", times.load_s},
                                 {"initial", estimate.initial_s},
                                 {"solve", estimate.solve_s},
                                 {"total", times.total_s}};
-  if (method == "paper") {
+  if (method == Method::kPaper) {
     json["x-residual-history"] = ordered_json::array();
-    for (const estimator::IterationRecord& record : estimate.history)
+    for (const IterationRecord& record : estimate.history)
       json["x-residual-history"].push_back(ToJson(record.rms));
   }
-  return json;
+  return json.dump(1) + "\n";
 }
 
-}  // namespace turnlight::app
+}  // namespace turnlight::estimator::results

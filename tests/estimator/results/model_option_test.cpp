@@ -1,17 +1,17 @@
 // Proves: --model takes each key and value that its header names, changes nothing else, and refuses
 // the rest with the key, the value and what is allowed. Does not prove that the estimator does what
 // it is told: tests/estimator/model_choice_test does.
-#include "app/model_option.h"
+#include "estimator/results/model_option.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace turnlight::app {
+namespace turnlight::estimator::results {
 namespace {
 
-using estimator::model::DiffuseModel;
-using estimator::model::ModelChoice;
-using estimator::model::SpecularModel;
+using model::DiffuseModel;
+using model::ModelChoice;
+using model::SpecularModel;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -96,4 +96,4 @@ TEST(ModelOption, ARefusedKeyNamesTheNearestAndWhatIsAllowed) {
 }
 
 }  // namespace
-}  // namespace turnlight::app
+}  // namespace turnlight::estimator::results

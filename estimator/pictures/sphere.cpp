@@ -1,4 +1,4 @@
-#include "estimator/pictures/picture_sphere.h"
+#include "estimator/pictures/sphere.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,25 @@
+#include "app/scene_input.h"
+
+#include "base/file.h"
+#include "estimator/results/scene_json.h"
+
+namespace turnlight::app {
+namespace {
+
+constexpr std::uint64_t kMaxFileBytes = 64 << 20;
+
+}  // namespace
+
+Result<estimator::model::Scene> ReadScene(const std::filesystem::path& path) {
+  const auto text = ReadFile(path, kMaxFileBytes);
+  if (!text) return Forward(text);
+  return estimator::results::ParseScene(*text, path.string());
+}
+
+Result<estimator::model::InitialGuess> ReadInitialGuess(const std::filesystem::path& path) {
+  const auto text = ReadFile(path, kMaxFileBytes);
+  if (!text) return Forward(text);
+  return estimator::results::ParseInitialGuess(*text, path.string());
+}
+
+}  // namespace turnlight::app

@@ -1,0 +1,62 @@
+// From a session's folder to an estimate: what the command line, the end of a run and the studies
+// call, so that all give the same bits. Writes nothing, prints nothing and takes no signals.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "base/stop_flag.h"
+#include "estimator/estimate.h"
+#include "estimator/model/initial_guess.h"
+#include "estimator/model/keyframe.h"
+#include "estimator/model/model_choice.h"
+#include "estimator/results/words.h"
+#include "estimator/target/geometry.h"
+#include "rig/capture/closure_check.h"
+#include "rig/session/session.h"
+
+namespace turnlight::estimator::from_session {
+
+// d0 of the paper's method, in metres: the height of a ceiling.
+inline constexpr double kCeilingDistanceM = 2.5;
+
+// In their order.
+enum class Stage { kReading, kObserving, kStarting, kRefining };
+
+struct Options {
+  results::Method method = results::Method::kLeastSquares;
+  std::optional<int> views;                    // frames floor(i F / N), 1..F
+  std::optional<model::InitialGuess> initial;  // of kLeastSquares only
+  model::ModelChoice model;                    // of kLeastSquares only; no lights beside initial
+  std::optional<double> ceiling_distance_m;    // of kPaper only; metres
+
+  // Told as a stage begins (done 0) and as its parts are done, up to total: the frames of kReading;
+  // the others have one part, and are told of its end when the next begins or all is done. Never
+  // from two threads at a time.
+  std::function<void(Stage stage, std::size_t done, std::size_t total)> progress;
+  // The verdict of the closure check, before the long part. Not called without a closure frame.
+  std::function<void(const rig::ClosureCheck& closure)> on_closure;
+  // Set: the call ends soon, with kInterrupted.
+  const StopFlag* stop = nullptr;
+};
+
+struct SessionEstimate {
+  rig::Session session;
+  std::vector<model::Keyframe> keyframes;  // the frames chosen, in their order
+  target::Geometry geometry;
+  EstimateOutput output;  // with a note if the capture did not close
+  std::optional<rig::ClosureCheck> closure;
+  double load_s = 0.0;  // seconds until the estimate began, for people
+};
+
+// Fails with kInput (what ReadSession, ReadTarget, ReadFrameImages and CheckClosure refuse; options
+// that do not go together), with kNoEstimate if the session gives none, in words that say what to
+// do, and with kInterrupted.
+Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
+                                        const Options& options = {});
+
+}  // namespace turnlight::estimator::from_session

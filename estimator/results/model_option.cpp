@@ -1,0 +1,73 @@
+#include "estimator/results/model_option.h"
+
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "base/format.h"
+#include "base/nearest.h"
+#include "estimator/results/words.h"
+
+namespace turnlight::estimator::results {
+namespace {
+
+using model::ModelChoice;
+
+constexpr int kMostLights = 32;
+
+tl::unexpected<Error> NoSuchWord(const std::string& option, const std::string& word,
+                                 const std::vector<std::string>& allowed) {
+  return InputError("--model " + option + ": \"" + word + "\", allowed are " + Listed(allowed));
+}
+
+template <typename Value>
+Status Choose(const std::string& option, const std::string& word, std::optional<Value>& out) {
+  const auto value = ValueOf<Value>(word);
+  if (!value) return NoSuchWord(option, word, AllWords<Value>());
+  out = value;
+  return {};
+}
+
+Status ChooseNear(const std::string& option, const std::string& word, std::optional<bool>& out) {
+  if (word != "near" && word != "distant") return NoSuchWord(option, word, {"near", "distant"});
+  out = word == "near";
+  return {};
+}
+
+Status ChooseCount(const std::string& option, const std::string& word, std::optional<int>& out) {
+  int count = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
+  if (error != std::errc() || end != word.data() + word.size() || count < 1 || count > kMostLights)
+    return InputError("--model " + option + ": \"" + word +
+                      "\", allowed is a whole number from 1 to " + std::to_string(kMostLights));
+  out = count;
+  return {};
+}
+
+}  // namespace
+
+std::string ModelOptionHelp() {
+  const auto list = [](const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : "|") + word;
+    return text;
+  };
+  return "lights=N (1 to " + std::to_string(kMostLights) +
+         "), diffuse=" + list(AllWords<model::DiffuseModel>()) +
+         ", specular=" + list(AllWords<model::SpecularModel>()) + ", lights-are=near|distant";
+}
+
+Status ApplyModelOption(const std::string& option, ModelChoice& choice) {
+  const std::size_t equals = option.find('=');
+  const std::string key = option.substr(0, equals);
+  const std::string word = equals == std::string::npos ? "" : option.substr(equals + 1);
+  if (key == "lights") return ChooseCount(option, word, choice.lights);
+  if (key == "diffuse") return Choose(option, word, choice.diffuse);
+  if (key == "specular") return Choose(option, word, choice.specular);
+  if (key == "lights-are") return ChooseNear(option, word, choice.near);
+  const std::vector<std::string> keys = {"lights", "diffuse", "specular", "lights-are"};
+  return InputError("--model " + option + ": unknown key \"" + key + "\"" + DidYouMean(key, keys) +
+                    ", allowed are " + Listed(keys));
+}
+
+}  // namespace turnlight::estimator::results

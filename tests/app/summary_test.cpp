@@ -1,0 +1,37 @@
+// Proves that the summary gives each value of an estimate the digits that its sigma allows, and
+// says model, lights, decisions and notes. Does not prove that the values are right.
+#include "app/summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/estimator/results/example_estimate.h"
+
+namespace turnlight::app {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Summary, RoundsToTheSigma) {
+  EXPECT_EQ(Measure(700.1234, 1.24), "700.1 \u00b1 1.2");
+  EXPECT_EQ(Measure(0.123456, 0.00045), "0.12346 \u00b1 0.00045");
+  EXPECT_EQ(Measure(1234.5, 56.0), "1234 \u00b1 56");
+  EXPECT_EQ(Measure(0.5, 0.0), "0.5");
+  EXPECT_EQ(Measure(0.5, std::numeric_limits<double>::infinity()), "0.5");
+}
+
+TEST(Summary, SaysWhatWasFound) {
+  const std::string text = Summary(estimator::results::ExampleEstimate(), "ball", "mm");
+  EXPECT_THAT(text, HasSubstr("ball: 36 views, 4321 pixels"));
+  EXPECT_THAT(text, HasSubstr("2 lights (1 near, 1 distant), Lambert + Phong"));
+  EXPECT_THAT(text, HasSubstr("distance 700.0 \u00b1 1.2 mm"));
+  EXPECT_THAT(text, HasSubstr("beyond 9e+03 mm, 95 %"));
+  EXPECT_THAT(text, HasSubstr("shininess 40.00 \u00b1 0.40"));
+  EXPECT_THAT(text, HasSubstr("one more light: it explains"));
+  EXPECT_THAT(text, HasSubstr("views-add-nothing"));
+}
+
+}  // namespace
+}  // namespace turnlight::app
