@@ -22,7 +22,7 @@ struct EstimateArguments {
   bool json = false;
 };
 
-int Estimate(const EstimateArguments& arguments) {
+int EstimateAndPrint(const EstimateArguments& arguments) {
   WriteOptions options = arguments.options;
   options.estimate.method =
       *estimator::results::ValueOf<estimator::results::Method>(arguments.method);
@@ -77,7 +77,7 @@ void AddEstimate(CLI::App& program, Action& action) {
   command->add_flag("--json", arguments->json,
                     "Print result.json on standard output and nothing else there");
   command->callback(
-      [arguments, &action] { action = [arguments] { return Estimate(*arguments); }; });
+      [arguments, &action] { action = [arguments] { return EstimateAndPrint(*arguments); }; });
 }
 
 }  // namespace turnlight::app

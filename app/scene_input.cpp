@@ -6,18 +6,18 @@
 namespace turnlight::app {
 namespace {
 
-constexpr std::uint64_t kMaxFileBytes = 64 << 20;
+constexpr std::uint64_t kMaxSceneBytes = 64 << 20;
 
 }  // namespace
 
 Result<estimator::model::Scene> ReadScene(const std::filesystem::path& path) {
-  const auto text = ReadFile(path, kMaxFileBytes);
+  const auto text = ReadFile(path, kMaxSceneBytes);
   if (!text) return Forward(text);
   return estimator::results::ParseScene(*text, path.string());
 }
 
 Result<estimator::model::InitialGuess> ReadInitialGuess(const std::filesystem::path& path) {
-  const auto text = ReadFile(path, kMaxFileBytes);
+  const auto text = ReadFile(path, kMaxSceneBytes);
   if (!text) return Forward(text);
   return estimator::results::ParseInitialGuess(*text, path.string());
 }
