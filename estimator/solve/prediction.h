@@ -12,7 +12,7 @@ namespace turnlight::estimator::solve {
 // Radiance of every observation, channel by channel, in the observations' order.
 using Prediction = std::vector<std::vector<float>>;
 
-// The model's radiances; 0 where an observation is not usable.
+// The model's radiances; those of filling have no meaning.
 Prediction Predict(const observe::Observations& observations, const model::Scene& scene,
                    const EvaluateOptions& options);
 

@@ -37,9 +37,13 @@ bool MergeAndPrune(model::Scene& scene, std::size_t least) {
   const std::size_t before = lights.size();
   double total = 0.0;
   for (const model::Light& light : lights) total += light.intensity;
-  std::erase_if(lights, [&](const model::Light& l) {
-    return lights.size() > least && l.intensity < kNegligibleShare * total;
-  });
+  while (lights.size() > least) {
+    const auto weakest =
+        std::min_element(lights.begin(), lights.end(),
+                         [](const auto& a, const auto& b) { return a.intensity < b.intensity; });
+    if (!(weakest->intensity < kNegligibleShare * total)) break;
+    lights.erase(weakest);
+  }
   const double cosine = std::cos(MergeAngle(scene.reflectance));
   for (bool merged = true; merged && lights.size() > least;) {
     merged = false;

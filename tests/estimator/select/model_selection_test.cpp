@@ -21,8 +21,8 @@ observe::Observations NoisyPicture(const model::Scene& truth, std::uint64_t seed
 }
 
 struct Selected {
+  std::vector<model::Rung> ladder;  // before what fills it
   Refined refined;
-  std::vector<model::Rung> ladder;
 
   Selected(const observe::Observations& all, const model::Scene& start,
            const model::ModelChoice& choice = {})

@@ -37,13 +37,18 @@ model::Scene Off(model::Scene scene, double degrees) {
   return scene;
 }
 
+// Where nothing but rounding is left, a step may be too small to gain and too small to be seen.
+bool AtTheMinimum(const Solution& solution) {
+  return solution.stopped == Stopped::kTolerance || solution.stopped == Stopped::kNoDescent;
+}
+
 // From the truth's values in what the gauge holds.
 TEST(Solver, RecoversANoiselessScene) {
   const model::Scene truth = TwoLights();
   const RandomObservations random(4000, 3, 1, &truth);
   for (const double degrees : {3.0, 10.0, 20.0}) {
     const Solution s = Solve(random.observations, Off(truth, degrees), {});
-    EXPECT_EQ(s.stopped, Stopped::kTolerance);
+    EXPECT_TRUE(AtTheMinimum(s));
     for (std::size_t l = 0; l < 2; ++l) {
       const model::Light &found = s.scene.lights[l], &light = truth.lights[l];
       EXPECT_LT((found.direction - light.direction).norm(), 1e-5) << degrees;
@@ -65,7 +70,7 @@ TEST(Solver, EndsAtABoundWhereTheTruthIs) {
   truth.lights[0].inverse_distance = 0.0;
   const RandomObservations random(4000, 3, 2, &truth);
   const Solution s = Solve(random.observations, Off(truth, 5.0), {});
-  EXPECT_EQ(s.stopped, Stopped::kTolerance);
+  EXPECT_TRUE(AtTheMinimum(s));
   EXPECT_GE(s.scene.reflectance.ambient, 0.0);
   EXPECT_LT(s.scene.reflectance.ambient, 1e-5);
   EXPECT_GE(s.scene.lights[0].inverse_distance, 0.0);

@@ -41,7 +41,7 @@ TEST(HeldOut, ALightThatIsNotThereGoes) {
     EXPECT_TRUE(ladder[0].accepted) << ladder[0].why;
     EXPECT_TRUE(ladder[1].accepted) << ladder[1].why;
     EXPECT_FALSE(ladder[2].accepted) << ladder[2].why;
-    EXPECT_NE(ladder[2].why.find("(+0.10, -0.91, +0.40)"), std::string::npos) << ladder[2].why;
+    EXPECT_EQ(ladder[2].why.find("the light from ("), 0u) << ladder[2].why;
   }
 }
 

@@ -52,6 +52,13 @@ TEST(FitAndMerge, NotBelowTheNumberAskedFor) {
   Sample sample = NoisySample(truth);
   sample.choice.lights = 3;
   EXPECT_EQ(FitAndMerge(sample, FirstLightSplit(truth, 1.0)).scene.lights.size(), 3u);
+  // However little the ones to spare are worth.
+  model::Scene more = truth;
+  for (int spare = 0; spare < 3; ++spare) {
+    more.lights.push_back(ThirdLight(1e-4));
+    more.lights.back().direction = Turned(ThirdLight().direction, 40.0 * spare);
+  }
+  EXPECT_EQ(FitAndMerge(sample, more).scene.lights.size(), 3u);
 }
 
 }  // namespace

@@ -29,8 +29,10 @@ struct MeanProblem {
     scene.reflectance.specular_model = model::SpecularModel::kNone;
     pixels = RandomObservations(kMeanPixels, 1, 1, &scene).observations;
     AddNoise(noise, 1, pixels);
-    for (std::size_t i = 0; i < kMeanPixels; ++i)
+    for (std::size_t i = 0; i < kMeanPixels; ++i) {
       pixels.radiance[0][i] += static_cast<float>(offset(i));
+      pixels.pixel[i] *= 5;  // apart, for what neighbours have in common would be texture
+    }
     pixels.tile_begin.clear();
     for (std::size_t k = 0; k <= views; ++k) pixels.tile_begin.push_back(k * kMeanTiles / views);
     solution = solve::Solve(pixels, scene, {});
