@@ -53,6 +53,9 @@ refused estimator/results/CMakeLists.txt \
   'estimator/results may not use rig'
 refused rig/session/a.cpp '#include "rig/sim/blob.h"' 'rig may not use rig/sim'
 refused estimator/a.h '#include "scene.h"' 'written from the top'
+refused estimator/solve/a.h 'namespace turnlight::estimator::model {' \
+  'allowed is namespace turnlight::estimator::solve'
+refused base/a.h 'namespace turnlight::calib {' 'allowed is namespace turnlight'
 refused base/a.h '#include <opencv2/core.hpp>' 'base may not use OpenCV'
 refused base/a.h '#include <boost/any.hpp>' 'is of no library'
 refused calib/CMakeLists.txt 'turnlight_layer(tl_calib SOURCES a.cpp USES tl_base tl_rig)' \
