@@ -23,7 +23,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-SyntheticConfig Small() {
+SyntheticConfig SmallScene() {
   SyntheticConfig config;
   config.motion.frames = 3;
   config.camera = {64, 48, 110.0, {}};
@@ -31,7 +31,7 @@ SyntheticConfig Small() {
   return config;
 }
 
-bool SameImage(const cv::Mat& a, const cv::Mat& b) {
+bool SamePicture(const cv::Mat& a, const cv::Mat& b) {
   return a.type() == b.type() && a.size() == b.size() &&
          cv::norm(a.reshape(1), b.reshape(1), cv::NORM_INF) == 0.0;
 }
@@ -44,7 +44,7 @@ SyntheticSession Make(const SyntheticConfig& config) {
 }
 
 TEST(SyntheticSession, SameBitsForAnyNumberOfThreads) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.target = Blob{40.0, 0.3, 32};
   config.sensor.noise_relative = 0.01;
   config.sensor.noise_shot = 0.01;
@@ -54,8 +54,8 @@ TEST(SyntheticSession, SameBitsForAnyNumberOfThreads) {
     SetThreads(threads);
     const SyntheticSession session = Make(config);
     for (std::size_t i = 0; i < reference.frames.size(); ++i) {
-      EXPECT_TRUE(SameImage(session.frames[i].image, reference.frames[i].image)) << threads;
-      EXPECT_TRUE(SameImage(session.frames[i].mask, reference.frames[i].mask)) << threads;
+      EXPECT_TRUE(SamePicture(session.frames[i].image, reference.frames[i].image)) << threads;
+      EXPECT_TRUE(SamePicture(session.frames[i].mask, reference.frames[i].mask)) << threads;
     }
   }
   SetThreads(0);
@@ -63,7 +63,7 @@ TEST(SyntheticSession, SameBitsForAnyNumberOfThreads) {
 
 TEST(SyntheticSession, CameraLooksAtTheTarget) {
   for (const MotionKind kind : {MotionKind::kOrbit, MotionKind::kTable}) {
-    SyntheticConfig config = Small();
+    SyntheticConfig config = SmallScene();
     config.motion.kind = kind;
     config.motion.elevation_deg = 25.0;
     const SyntheticSession session = Make(config);
@@ -83,7 +83,7 @@ TEST(SyntheticSession, CameraLooksAtTheTarget) {
 }
 
 TEST(SyntheticSession, TiltLeansThePlaneToTheFirstCamera) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.target = calib::PlaneShape{100.0, 80.0, 1};
   config.motion.kind = MotionKind::kTable;
   config.motion.tilt_deg = 20.0;
@@ -118,7 +118,7 @@ std::pair<double, double> NoiseOf(const SyntheticSession& clean, const Synthetic
 }
 
 TEST(SyntheticSession, NoiseHasTheStatedSigma) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.motion.frames = 6;
   config.sensor.depth = SensorDepth::kFloat;
   config.sensor.saturation = 100.0;
@@ -139,15 +139,15 @@ TEST(SyntheticSession, NoiseHasTheStatedSigma) {
 }
 
 TEST(SyntheticSession, NoiseDiffersFromFrameToFrameAndSeedToSeed) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.motion.step_deg = 0.0;
   config.sensor.noise_relative = 0.01;
   config.lights = std::vector<LightSpec>{{{0, 0, 1}, {}, 1.0, {1, 1, 1}}};
   config.reflectance = estimator::model::Reflectance{};
   const SyntheticSession a = Make(config);
-  EXPECT_FALSE(SameImage(a.frames[0].image, a.frames[1].image));
+  EXPECT_FALSE(SamePicture(a.frames[0].image, a.frames[1].image));
   config.seed = 2;
-  EXPECT_FALSE(SameImage(a.frames[0].image, Make(config).frames[0].image));
+  EXPECT_FALSE(SamePicture(a.frames[0].image, Make(config).frames[0].image));
 }
 
 double ClippedShare(const SyntheticSession& session) {
@@ -160,7 +160,7 @@ double ClippedShare(const SyntheticSession& session) {
 }
 
 TEST(SyntheticSession, ClipShareIsMetAndRadianceStaysThatOfTheScene) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   const SyntheticSession plain = Make(config);
   for (const double share : {0.0, 0.05, 0.3}) {
     config.sensor.clip_share = share;
@@ -175,7 +175,7 @@ TEST(SyntheticSession, ClipShareIsMetAndRadianceStaysThatOfTheScene) {
 }
 
 TEST(SyntheticSession, EncodingsGiveTheSameRadiance) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.sensor.depth = SensorDepth::kFloat;
   config.sensor.saturation = 100.0;
   const auto reference = ToKeyframes(Make(config));
@@ -203,7 +203,7 @@ TEST(SyntheticSession, EncodingsGiveTheSameRadiance) {
 }
 
 TEST(SyntheticSession, AWrittenSessionIsTheOneInMemory) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.target = Blob{40.0, 0.3, 32};
   config.masks = true;
   config.sensor.clip_share = 0.01;
@@ -226,8 +226,8 @@ TEST(SyntheticSession, AWrittenSessionIsTheOneInMemory) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto images = ReadFrameImages(*session, i);
     ASSERT_TRUE(images) << images.error().text;
-    EXPECT_TRUE(SameImage(images->image, memory.frames[i].image));
-    EXPECT_TRUE(SameImage(images->mask, memory.frames[i].mask));
+    EXPECT_TRUE(SamePicture(images->image, memory.frames[i].image));
+    EXPECT_TRUE(SamePicture(images->mask, memory.frames[i].mask));
     EXPECT_EQ(session->frames[i].X_WC.rotation, memory.frames[i].X_WC.rotation);
     EXPECT_EQ(session->frames[i].exposure.exposure_us, memory.frames[i].exposure.exposure_us);
   }
@@ -252,7 +252,7 @@ TEST(SyntheticSession, EveryFormatReadsBack) {
         std::pair{SensorDepth::k16, FileFormat::kTiff},
         std::pair{SensorDepth::kFloat, FileFormat::kExr},
         std::pair{SensorDepth::kFloat, FileFormat::kTiff}}) {
-    SyntheticConfig config = Small();
+    SyntheticConfig config = SmallScene();
     config.motion.frames = 1;
     config.sensor.depth = depth;
     config.sensor.format = format;
@@ -263,12 +263,12 @@ TEST(SyntheticSession, EveryFormatReadsBack) {
     ASSERT_TRUE(session) << session.error().text;
     const auto images = ReadFrameImages(*session, 0);
     ASSERT_TRUE(images) << images.error().text;
-    EXPECT_TRUE(SameImage(images->image, Make(config).frames[0].image));
+    EXPECT_TRUE(SamePicture(images->image, Make(config).frames[0].image));
   }
 }
 
 TEST(SyntheticSession, RemarksOnClippingAndEmptyFrames) {
-  SyntheticConfig config = Small();
+  SyntheticConfig config = SmallScene();
   config.target = calib::PlaneShape{100.0, 80.0, 1};
   config.motion.frames = 1;
   config.lights = std::vector<LightSpec>{{{0, 0, 1}, {}, 5.0, {1, 1, 1}}};
@@ -290,7 +290,7 @@ TEST(SyntheticSession, RemarksOnClippingAndEmptyFrames) {
 TEST(SyntheticSession, StoppingLeavesNoSession) {
   const TemporaryFolder folder;
   const auto report =
-      WriteSynthetic(Small(), folder.path(), [](auto done, auto) { return done < 2; });
+      WriteSynthetic(SmallScene(), folder.path(), [](auto done, auto) { return done < 2; });
   ASSERT_TRUE(report) << report.error().text;
   EXPECT_TRUE(report->stopped);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "session.json"));
