@@ -92,6 +92,11 @@ std::vector<BadInput> DamagedImages() {
          });
        },
        {"001.png", "100000 x 100000"}},
+  };
+}
+
+std::vector<BadInput> ImagesThatShowNothing() {
+  return {
       {"EmptyMask",
        [](const Folder& s) {
          ASSERT_TRUE(
@@ -159,6 +164,11 @@ std::vector<BadInput> DamagedDescriptions() {
       {"ExposureOnSomeFrames",
        edit([](ordered_json& json) { json["frames"][1]["exposure_us"] = 8000; }),
        {"exposure_us"}},
+  };
+}
+
+std::vector<BadInput> DamagedLensesAndMeshes() {
+  return {
       {"UnknownLens",
        [](const Folder& s) {
          ReplaceText(s / "camera.cameramodel", "LENSMODEL_PINHOLE", "LENSMODEL_TEAPOT");
@@ -190,7 +200,9 @@ std::vector<BadInput> DamagedDescriptions() {
 
 std::vector<BadInput> AllBadInputs() {
   std::vector<BadInput> all = DamagedImages();
-  for (BadInput& input : DamagedDescriptions()) all.push_back(std::move(input));
+  for (const auto& more :
+       {ImagesThatShowNothing(), DamagedDescriptions(), DamagedLensesAndMeshes()})
+    all.insert(all.end(), more.begin(), more.end());
   return all;
 }
 
