@@ -1,8 +1,8 @@
-// Proves, on pictures of our own renderer (independent pictures: independent_data_test): cast
-// shadows are in the fit and their edges are not; lights that the map does not show are found from
-// the residual; identical views add no certainty; where the scene was made in other units, at
-// another exposure or about another origin, the same lights come out; sigma_total covers errors
-// that are not noise. Does not prove coverage at large: bench/studies does.
+// Proves, on pictures of our own renderer (independent pictures: independent_data_test): lights
+// that the map does not show are found from the residual, on a target that shadows itself too;
+// identical views add no certainty; where the scene was made in other units, at another exposure or
+// about another origin, the same lights come out; sigma_total covers errors that are not noise.
+// Does not prove coverage at large: bench/studies does.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,10 +12,7 @@
 
 #include "base/angles.h"
 #include "estimator/estimate.h"
-#include "estimator/solve/prediction.h"
-#include "estimator/solve/shadows.h"
 #include "rig/sim/synthetic_session.h"
-#include "tests/estimator/random_observations.h"
 #include "tests/estimator/small_scene.h"
 
 namespace turnlight::estimator {
