@@ -32,9 +32,9 @@ void Scale(Estimate& estimate, double by) {
                       &estimate.stat.ambient, &estimate.stat.diffuse, &estimate.stat.specular,
                       &estimate.initial_rms, &estimate.rms})
     *sigma *= by;
-  for (auto* color :
+  for (auto* colour :
        {&estimate.ambient_product, &estimate.ambient_product_sigma, &estimate.stat.ambient_product})
-    *color *= by;
+    *colour *= by;
   for (LightEstimate& light : estimate.lights) {
     light.diffuse_product *= by;
     light.diffuse_product_sigma *= by;

@@ -16,8 +16,8 @@ constexpr int kOver = 4;                // text is drawn this much larger and re
 constexpr int kShift = 4;               // fractional bits of coordinates in OpenCV's drawing
 const std::string kDegree = "\xC2\xB0";
 
-cv::Scalar ToScalar(const cv::Vec3b& color) {
-  return {double(color[0]), double(color[1]), double(color[2])};
+cv::Scalar ToScalar(const cv::Vec3b& colour) {
+  return {double(colour[0]), double(colour[1]), double(colour[2])};
 }
 
 cv::Point ToFixed(cv::Point2d point) {
@@ -86,14 +86,14 @@ cv::Mat1b InkOfText(const std::string& text, double height) {
   return ink;
 }
 
-void PrintInk(cv::Mat3b& page, const cv::Mat1b& ink, cv::Point corner, const cv::Vec3b& color) {
+void PrintInk(cv::Mat3b& page, const cv::Mat1b& ink, cv::Point corner, const cv::Vec3b& colour) {
   const cv::Rect inside = cv::Rect(corner, ink.size()) & cv::Rect({0, 0}, page.size());
   for (int row = inside.y; row < inside.y + inside.height; ++row) {
     for (int column = inside.x; column < inside.x + inside.width; ++column) {
       const double share = ink(row - corner.y, column - corner.x) / 255.0;
       cv::Vec3b& pixel = page(row, column);
       for (int c = 0; c < 3; ++c)
-        pixel[c] = static_cast<uchar>(std::lround((1.0 - share) * pixel[c] + share * color[c]));
+        pixel[c] = static_cast<uchar>(std::lround((1.0 - share) * pixel[c] + share * colour[c]));
     }
   }
 }
@@ -107,14 +107,14 @@ cv::Mat3b Page(int width, int height) { return cv::Mat3b(height, width, kPaper);
 int TextWidth(const std::string& text, double height) { return InkOfText(text, height).cols; }
 
 void DrawText(cv::Mat3b& page, const std::string& text, cv::Point2d at, double height, Align align,
-              const cv::Vec3b& color) {
+              const cv::Vec3b& colour) {
   if (text.empty()) return;
   const cv::Mat1b ink = InkOfText(text, height);
   const double before = align == Align::kLeft ? 0.0 : align == Align::kCenter ? 0.5 : 1.0;
   PrintInk(page, ink,
            {static_cast<int>(std::lround(at.x - before * ink.cols)),
             static_cast<int>(std::lround(at.y - 0.5 * ink.rows))},
-           color);
+           colour);
 }
 
 void DrawTextUpwards(cv::Mat3b& page, const std::string& text, cv::Point2d at, double height) {
@@ -126,17 +126,17 @@ void DrawTextUpwards(cv::Mat3b& page, const std::string& text, cv::Point2d at, d
            kInk);
 }
 
-void DrawPath(cv::Mat3b& page, const std::vector<cv::Point2d>& points, const cv::Vec3b& color,
+void DrawPath(cv::Mat3b& page, const std::vector<cv::Point2d>& points, const cv::Vec3b& colour,
               int thickness, bool closed) {
   std::vector<cv::Point> fixed;
   fixed.reserve(points.size());
   for (const cv::Point2d& point : points) fixed.push_back(ToFixed(point));
-  cv::polylines(page, fixed, closed, ToScalar(color), thickness, cv::LINE_AA, kShift);
+  cv::polylines(page, fixed, closed, ToScalar(colour), thickness, cv::LINE_AA, kShift);
 }
 
-void DrawDisc(cv::Mat3b& page, cv::Point2d center, double radius, const cv::Vec3b& color) {
+void DrawDisc(cv::Mat3b& page, cv::Point2d center, double radius, const cv::Vec3b& colour) {
   cv::circle(page, ToFixed(center), static_cast<int>(std::lround(radius * (1 << kShift))),
-             ToScalar(color), cv::FILLED, cv::LINE_AA, kShift);
+             ToScalar(colour), cv::FILLED, cv::LINE_AA, kShift);
 }
 
 void Place(cv::Mat3b& page, const cv::Mat3b& picture, cv::Point at) {
@@ -165,11 +165,11 @@ void DrawTicksLeft(cv::Mat3b& page, const cv::Rect& area, const std::vector<Tick
   }
 }
 
-void DrawColorBar(cv::Mat3b& page, const cv::Rect& area,
-                  const std::function<cv::Vec3b(double)>& color, const std::vector<Tick>& ticks) {
+void DrawColourBar(cv::Mat3b& page, const cv::Rect& area,
+                   const std::function<cv::Vec3b(double)>& colour, const std::vector<Tick>& ticks) {
   cv::Mat3b bar(area.size());
   for (int row = 0; row < bar.rows; ++row)
-    bar.row(row).setTo(ToScalar(color(1.0 - (row + 0.5) / bar.rows)));
+    bar.row(row).setTo(ToScalar(colour(1.0 - (row + 0.5) / bar.rows)));
   Place(page, bar, area.tl());
   const double right = area.x + area.width;
   for (const Tick& tick : ticks) {

@@ -26,14 +26,14 @@ int TextWidth(const std::string& text, double height);
 // Draws one line of text whose capitals are `height` pixels high; `at` is half way up them, at the
 // left, centre or right end. Smooth at any size.
 void DrawText(cv::Mat3b& page, const std::string& text, cv::Point2d at, double height, Align align,
-              const cv::Vec3b& color = kInk);
+              const cv::Vec3b& colour = kInk);
 // The same turned by 90 degrees to read upwards, centred.
 void DrawTextUpwards(cv::Mat3b& page, const std::string& text, cv::Point2d at, double height);
 
 // A smooth line through the points, which may lie between pixels.
-void DrawPath(cv::Mat3b& page, const std::vector<cv::Point2d>& points, const cv::Vec3b& color,
+void DrawPath(cv::Mat3b& page, const std::vector<cv::Point2d>& points, const cv::Vec3b& colour,
               int thickness, bool closed = false);
-void DrawDisc(cv::Mat3b& page, cv::Point2d center, double radius, const cv::Vec3b& color);
+void DrawDisc(cv::Mat3b& page, cv::Point2d center, double radius, const cv::Vec3b& colour);
 
 // Copies the picture to the page with its top-left pixel at `at`, and a thin frame around it.
 void Place(cv::Mat3b& page, const cv::Mat3b& picture, cv::Point at);
@@ -47,9 +47,9 @@ struct Tick {
 void DrawTicksBelow(cv::Mat3b& page, const cv::Rect& area, const std::vector<Tick>& ticks);
 void DrawTicksLeft(cv::Mat3b& page, const cv::Rect& area, const std::vector<Tick>& ticks);
 
-// An upright colour bar: color(0) at the bottom, color(1) at the top; labels at its right.
-void DrawColorBar(cv::Mat3b& page, const cv::Rect& area,
-                  const std::function<cv::Vec3b(double)>& color, const std::vector<Tick>& ticks);
+// An upright colour bar: colour(0) at the bottom, colour(1) at the top; labels at its right.
+void DrawColourBar(cv::Mat3b& page, const cv::Rect& area,
+                   const std::function<cv::Vec3b(double)>& colour, const std::vector<Tick>& ticks);
 
 // A number for a label, three digits: "0.05", "1e-6", never "-0".
 std::string FormatNumber(double value);

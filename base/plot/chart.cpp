@@ -9,15 +9,16 @@ void DrawTitle(cv::Mat3b& page, int left, const std::string& title) {
   DrawText(page, title, {double(left), 0.5 * kTitleHeight}, kCaption, Align::kLeft);
 }
 
-void DrawSwatch(cv::Mat3b& page, cv::Point at, const cv::Vec3b& color, const std::string& text) {
-  Place(page, cv::Mat3b(11, 11, color), at - cv::Point(0, 5));
+void DrawSwatch(cv::Mat3b& page, cv::Point at, const cv::Vec3b& colour, const std::string& text) {
+  Place(page, cv::Mat3b(11, 11, colour), at - cv::Point(0, 5));
   DrawText(page, text, {at.x + 18.0, double(at.y)}, kLabel, Align::kLeft);
 }
 
 void DrawScaleBeside(cv::Mat3b& page, const cv::Rect& area,
-                     const std::function<cv::Vec3b(double)>& color, const std::vector<Tick>& ticks,
+                     const std::function<cv::Vec3b(double)>& colour, const std::vector<Tick>& ticks,
                      const std::string& unit) {
-  DrawColorBar(page, {area.x + area.width + kMargin, area.y, kBarWidth, area.height}, color, ticks);
+  DrawColourBar(page, {area.x + area.width + kMargin, area.y, kBarWidth, area.height}, colour,
+                ticks);
   DrawText(page, unit, {page.cols - 0.5 * kMargin, 0.5 * kTitleHeight}, kLabel, Align::kRight);
 }
 
@@ -131,10 +132,10 @@ cv::Mat3b LogCurve(const ChartText& text, const std::vector<CountedValue>& value
     path.emplace_back(
         area.x - 0.5 + area.width * double(point.at - first) / std::max(last - first, 1),
         area.y - 0.5 + axis.At(point.value) * area.height);
-  const cv::Vec3b color = DivergingColor(-0.9);
-  DrawPath(page, path, color, 2);
+  const cv::Vec3b colour = DivergingColour(-0.9);
+  DrawPath(page, path, colour, 2);
   if (path.size() <= 60)
-    for (const cv::Point2d& at : path) DrawDisc(page, at, 3.5, color);
+    for (const cv::Point2d& at : path) DrawDisc(page, at, 3.5, colour);
   return page;
 }
 

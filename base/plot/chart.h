@@ -18,12 +18,12 @@ inline constexpr int kBarWidth = 16;     // of a colour bar
 void DrawTitle(cv::Mat3b& page, int left, const std::string& title);
 
 // A swatch with its meaning, beginning at `at`.
-void DrawSwatch(cv::Mat3b& page, cv::Point at, const cv::Vec3b& color, const std::string& text);
+void DrawSwatch(cv::Mat3b& page, cv::Point at, const cv::Vec3b& colour, const std::string& text);
 
 // A colour bar as high as `area`, a margin to its right, and at the page's top right what its
 // numbers are.
 void DrawScaleBeside(cv::Mat3b& page, const cv::Rect& area,
-                     const std::function<cv::Vec3b(double)>& color, const std::vector<Tick>& ticks,
+                     const std::function<cv::Vec3b(double)>& colour, const std::vector<Tick>& ticks,
                      const std::string& unit);
 
 // A light line, or text, with a dark edge: seen on any colour of a map.

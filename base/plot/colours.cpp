@@ -37,21 +37,21 @@ std::array<cv::Vec3b, 256> Inferno() {
   for (int i = 0; i < 256; ++i) ramp(0, i) = static_cast<uchar>(i);
   cv::Mat3b bgr;
   cv::applyColorMap(ramp, bgr, cv::COLORMAP_INFERNO);
-  std::array<cv::Vec3b, 256> colors;
-  for (int i = 0; i < 256; ++i) colors[i] = {bgr(0, i)[2], bgr(0, i)[1], bgr(0, i)[0]};
-  return colors;
+  std::array<cv::Vec3b, 256> colours;
+  for (int i = 0; i < 256; ++i) colours[i] = {bgr(0, i)[2], bgr(0, i)[1], bgr(0, i)[0]};
+  return colours;
 }
 
 }  // namespace
 
-cv::Vec3b DivergingColor(double t) {
+cv::Vec3b DivergingColour(double t) {
   if (std::isnan(t)) return kUnobserved;
   const double strength = std::min(std::abs(t), 1.0);
   const double hue = DegToRad(t < 0.0 ? 258.0 : 28.0);
   return FromOklab(1.0 - 0.55 * strength, 0.17 * std::sin(0.5 * CV_PI * strength), hue);
 }
 
-cv::Vec3b SequentialColor(double t) {
+cv::Vec3b SequentialColour(double t) {
   static const std::array<cv::Vec3b, 256> kColors = Inferno();
   if (std::isnan(t)) return kUnseen;
   return kColors[static_cast<std::size_t>(std::lround(255.0 * std::clamp(t, 0.0, 1.0)))];

@@ -13,11 +13,11 @@ inline const cv::Vec3b kUnseen(78, 78, 78);         // no value, in a sequential
 
 // Blue, white, red for t in [-1, 1], limited to it; equal steps look equal and -t is as light as t.
 // NaN gives kUnobserved.
-cv::Vec3b DivergingColor(double t);
+cv::Vec3b DivergingColour(double t);
 
 // From near black over violet and orange to light yellow (the map "inferno") for t in [0, 1],
 // limited to it. NaN gives kUnseen.
-cv::Vec3b SequentialColor(double t);
+cv::Vec3b SequentialColour(double t);
 
 // Radiance times exposure to the sRGB encoding, enlarged by a whole factor. What lies outside
 // [0, 1] is limited; what is not finite is black.

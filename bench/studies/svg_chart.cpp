@@ -65,17 +65,17 @@ std::string Frame(const std::string& title, const Axis& x, const Axis& y) {
   return svg;
 }
 
-std::string Draw(const Series& series, const Axis& x, const Axis& y, const char* color) {
+std::string Draw(const Series& series, const Axis& x, const Axis& y, const char* colour) {
   std::string svg, path;
   for (const auto& [px, py] : series.points) {
     if (series.dots)
       svg += Format("<circle cx='%.1f' cy='%.1f' r='2.2' fill='%s' fill-opacity='0.6'/>\n",
-                    X(x, px), Y(y, py), color);
+                    X(x, px), Y(y, py), colour);
     else
       path += Format("%c%.1f %.1f", path.empty() ? 'M' : 'L', X(x, px), Y(y, py));
   }
   if (!path.empty())
-    svg += "<path d='" + path + "' fill='none' stroke='" + color + "' stroke-width='1.6'" +
+    svg += "<path d='" + path + "' fill='none' stroke='" + colour + "' stroke-width='1.6'" +
            (series.dashed ? " stroke-dasharray='5 4'" : "") + "/>\n";
   return svg;
 }
@@ -91,11 +91,12 @@ std::string SvgChart(const std::string& title, const Axis& x, const Axis& y,
   svg += Frame(title, x, y);
   double row = kTop + 10.0;
   for (std::size_t i = 0; i < series.size(); ++i) {
-    const char* color = kColors[i % kColors.size()];
-    svg += Draw(series[i], x, y, color);
+    const char* colour = kColors[i % kColors.size()];
+    svg += Draw(series[i], x, y, colour);
     if (series[i].name.empty()) continue;
     const double left = kWidth - kRight + 15.0;
-    svg += Format("<rect x='%g' y='%g' width='10' height='10' fill='%s'/>", left, row - 9.0, color);
+    svg +=
+        Format("<rect x='%g' y='%g' width='10' height='10' fill='%s'/>", left, row - 9.0, colour);
     svg += Format("<text x='%g' y='%g'>%s</text>\n", left + 16.0, row, series[i].name.c_str());
     row += 18.0;
   }

@@ -19,7 +19,7 @@ namespace turnlight::estimator::baseline {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-const Eigen::Vector3d kUnknownColor = Eigen::Vector3d::Constant(kUnknown);
+const Eigen::Vector3d kUnknownColour = Eigen::Vector3d::Constant(kUnknown);
 
 LightEstimate MakeLight(const model::Light& light, const observe::Observations& observations,
                         const model::Reflectance& reflectance) {
@@ -31,7 +31,7 @@ LightEstimate MakeLight(const model::Light& light, const observe::Observations& 
   out.position = light.direction / light.inverse_distance;
   out.direction_at_reference = (*out.position - observations.reference).normalized();
   out.diffuse_product = light.intensity * reflectance.diffuse * reflectance.albedo;
-  out.diffuse_product_sigma = kUnknownColor;
+  out.diffuse_product_sigma = kUnknownColour;
   out.specular_product = light.intensity * reflectance.specular;
   out.specular_product_sigma = kUnknown;
   return out;
@@ -81,8 +81,8 @@ void FillFromPaper(const observe::Observations& observations, const PaperSolutio
                      return a.light.intensity > b.light.intensity;
                    });
   out.ambient_product = world.reflectance.ambient * world.reflectance.albedo;
-  out.ambient_product_sigma = kUnknownColor;
-  out.sigma.albedo = kUnknownColor;
+  out.ambient_product_sigma = kUnknownColour;
+  out.sigma.albedo = kUnknownColour;
   out.sigma.ambient = out.sigma.diffuse = out.sigma.specular = kUnknown;
   out.has_sigmas = false;
   out.condition = kUnknown;

@@ -101,8 +101,8 @@ PaperProblem::PaperProblem(const observe::Observations& observations,
 
 Eigen::VectorXd PaperProblem::Start() const {
   Eigen::VectorXd start = Eigen::VectorXd::Constant(count(), 0.5);
-  const Eigen::Vector3d color = observe::MedianColour(observations_);
-  for (int c = 0; c < observations_.channels; ++c) start[Color(c)] = color[c];
+  const Eigen::Vector3d colour = observe::MedianColour(observations_);
+  for (int c = 0; c < observations_.channels; ++c) start[Colour(c)] = colour[c];
   start.tail(static_cast<Eigen::Index>(directions_.size())).setOnes();
   return Projected(start);
 }
@@ -127,7 +127,7 @@ model::Scene PaperProblem::ToScene(const Eigen::VectorXd& variables) const {
     light.intensity = 1.0 / (distance * distance);
   }
   model::Reflectance& r = scene.reflectance;
-  for (int c = 0; c < 3; ++c) r.albedo[c] = variables[Color(c < observations_.channels ? c : 0)];
+  for (int c = 0; c < 3; ++c) r.albedo[c] = variables[Colour(c < observations_.channels ? c : 0)];
   r.ambient = variables[Ambient()];
   r.diffuse = variables[Diffuse()];
   r.specular = variables[Specular()];

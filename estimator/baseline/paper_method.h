@@ -55,7 +55,7 @@ std::vector<PaperCluster> ClustersOf(const std::vector<observe::MapPoint>& point
 class PaperProblem {
  public:
   // Where each variable stands; the first ones as in Columns.
-  int Color(int channel) const { return channel; }
+  int Colour(int channel) const { return channel; }
   int Ambient() const { return observations_.channels; }
   int Diffuse() const { return observations_.channels + 1; }
   int Specular() const { return observations_.channels + 2; }

@@ -68,10 +68,10 @@ cv::Mat ReducedMap(const cv::Mat& map, int factor, float none) {
 
 // A keyframe's picture in three channels at the size it is shown from; pixels that are not finite
 // are black.
-cv::Mat3f ColorPicture(const cv::Mat& radiance, int reduce) {
-  cv::Mat color = radiance;
+cv::Mat3f ColourPicture(const cv::Mat& radiance, int reduce) {
+  cv::Mat colour = radiance;
   if (radiance.channels() == 1) cv::cvtColor(radiance, color, cv::COLOR_GRAY2RGB);
-  return ReducedMap<3>(color, reduce, 0.0f);
+  return ReducedMap<3>(colour, reduce, 0.0f);
 }
 
 // A block is target if any of it is.
@@ -163,7 +163,8 @@ void AddComparisons(const std::vector<model::Keyframe>& keyframes,
   std::vector<Panels> panels;
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const model::Keyframe& keyframe = keyframes[shown[i]];
-    panels.push_back(MakePanels(views[i], spheres[i], ColorPicture(keyframe.image.radiance, reduce),
+    panels.push_back(MakePanels(views[i], spheres[i],
+                                ColourPicture(keyframe.image.radiance, reduce),
                                 ReducedMask(keyframe.mask, reduce)));
   }
   const double exposure = CommonExposure(panels);

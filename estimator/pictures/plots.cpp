@@ -148,24 +148,24 @@ double ResidualRange(const std::vector<cv::Mat1f>& residuals) {
 
 cv::Mat3b ResidualPicture(const cv::Mat1f& residual, double range, int enlarge,
                           const std::string& title) {
-  cv::Mat3b colors(residual.size());
+  cv::Mat3b colours(residual.size());
   for (int row = 0; row < residual.rows; ++row)
     for (int column = 0; column < residual.cols; ++column)
-      colors(row, column) = plot::DivergingColor(residual(row, column) / range);
-  cv::resize(colors, colors, {}, enlarge, enlarge, cv::INTER_NEAREST);
+      colours(row, column) = plot::DivergingColour(residual(row, column) / range);
+  cv::resize(colours, colours, {}, enlarge, enlarge, cv::INTER_NEAREST);
 
   constexpr int kBarLabels = 76;
-  const cv::Rect area({plot::kMargin, plot::kTitleHeight}, colors.size());
+  const cv::Rect area({plot::kMargin, plot::kTitleHeight}, colours.size());
   cv::Mat3b page = plot::Page(area.width + 3 * plot::kMargin + plot::kBarWidth + kBarLabels,
                               area.height + plot::kTitleHeight + plot::kMargin + 24);
   plot::DrawTitle(page, plot::kMargin, title);
-  plot::Place(page, colors, area.tl());
+  plot::Place(page, colours, area.tl());
   const auto label = [&](double share) {
     const std::string number = plot::FormatNumber(share * range);
     return share > 0.0 ? "+" + number : number;
   };
   plot::DrawScaleBeside(
-      page, area, [](double t) { return plot::DivergingColor(2.0 * t - 1.0); },
+      page, area, [](double t) { return plot::DivergingColour(2.0 * t - 1.0); },
       {{0.0, label(-1.0)},
        {0.25, label(-0.5)},
        {0.5, label(0.0)},
@@ -189,22 +189,22 @@ cv::Mat3b IntensityPicture(const observe::IntensityMap& map,
   const cv::Mat1f intensity = CloseGaps(map.intensity);
   const double brightest = NearestRank<float>({intensity.begin(), intensity.end()}, 1.0);
   const double top = brightest > 0.0 ? brightest : 1.0;
-  cv::Mat3b colors(intensity.size());
-  for (int row = 0; row < colors.rows; ++row)
-    for (int column = 0; column < colors.cols; ++column)
-      colors(row, column) = plot::SequentialColor(intensity(row, column) / top);
+  cv::Mat3b colours(intensity.size());
+  for (int row = 0; row < colours.rows; ++row)
+    for (int column = 0; column < colours.cols; ++column)
+      colours(row, column) = plot::SequentialColour(intensity(row, column) / top);
   const cv::Size size(1080, 540);
-  const bool fits = size.width % colors.cols == 0 && size.height % colors.rows == 0;
-  cv::resize(colors, colors, size, 0, 0, fits ? cv::INTER_NEAREST : cv::INTER_LINEAR);
+  const bool fits = size.width % colours.cols == 0 && size.height % colours.rows == 0;
+  cv::resize(colours, colours, size, 0, 0, fits ? cv::INTER_NEAREST : cv::INTER_LINEAR);
 
   constexpr int kLeft = 84, kBelow = 60, kBarLabels = 60, kLine = 22;
-  const MapFrame frame{{{kLeft, plot::kTitleHeight}, colors.size()}};
+  const MapFrame frame{{{kLeft, plot::kTitleHeight}, colours.size()}};
   const cv::Rect& area = frame.area;
   const int lines = static_cast<int>(lights.size());
   cv::Mat3b page = plot::Page(kLeft + area.width + 2 * plot::kMargin + plot::kBarWidth + kBarLabels,
                               area.y + area.height + kBelow + lines * kLine + plot::kMargin);
   plot::DrawTitle(page, kLeft, "Intensity by reflected direction, and the lights found");
-  plot::Place(page, colors, area.tl());
+  plot::Place(page, colours, area.tl());
   for (int i = 0; i < lines; ++i) DrawLight(page, frame, lights[i], i + 1);
 
   std::vector<plot::Tick> across, down;
@@ -217,7 +217,7 @@ cv::Mat3b IntensityPicture(const observe::IntensityMap& map,
   plot::DrawText(page, "azimuth", {area.x + 0.5 * area.width, area.y + area.height + 44.0},
                  plot::kLabel, plot::Align::kCenter);
   plot::DrawTextUpwards(page, "zenith angle", {22.0, area.y + 0.5 * area.height}, plot::kLabel);
-  plot::DrawScaleBeside(page, area, plot::SequentialColor, plot::LinearTicks(top), kUnit);
+  plot::DrawScaleBeside(page, area, plot::SequentialColour, plot::LinearTicks(top), kUnit);
   plot::DrawSwatch(page, {area.x + area.width - 110, area.y + area.height + 44}, plot::kUnseen,
                    "not seen");
   for (int i = 0; i < lines; ++i)

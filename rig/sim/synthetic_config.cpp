@@ -57,9 +57,9 @@ void CheckCamera(ConfigChecker& check, const SyntheticCamera& camera) {
   for (const double value : *camera.distortion) check.From("camera/distortion", value, -100, 100);
 }
 
-void CheckColor(ConfigChecker& check, const std::string& key, const Eigen::Vector3d& color) {
-  check.From(key, color.minCoeff(), 0.0, kMaxValue);
-  check.From(key, color.maxCoeff(), 0.0, kMaxValue);
+void CheckColour(ConfigChecker& check, const std::string& key, const Eigen::Vector3d& colour) {
+  check.From(key, colour.minCoeff(), 0.0, kMaxValue);
+  check.From(key, colour.maxCoeff(), 0.0, kMaxValue);
 }
 
 void CheckLights(ConfigChecker& check, const SyntheticConfig& config) {
@@ -75,7 +75,7 @@ void CheckLights(ConfigChecker& check, const SyntheticConfig& config) {
       if (light.distance)
         check.Above(at + "/distance", *light.distance, radius, kMaxLength, "the target's radius");
       check.Above(at + "/intensity", light.intensity, 0.0, kMaxValue);
-      CheckColor(check, at + "/color", light.color);
+      CheckColour(check, at + "/color", light.color);
     }
     return;
   }
@@ -93,7 +93,7 @@ void CheckLights(ConfigChecker& check, const SyntheticConfig& config) {
 
 void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
   if (const auto* given = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
-    CheckColor(check, "reflectance/albedo", given->albedo);
+    CheckColour(check, "reflectance/albedo", given->albedo);
     check.From("reflectance/ambient", given->ambient, 0.0, kMaxValue);
     check.From("reflectance/diffuse", given->diffuse, 0.0, kMaxValue);
     check.From("reflectance/specular", given->specular, 0.0, kMaxValue);

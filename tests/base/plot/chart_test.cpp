@@ -61,7 +61,7 @@ TEST(LinearTicks, AreAtMostSevenRoundNumbers) {
 TEST(DrawScaleBeside, StandsRightOfTheArea) {
   cv::Mat3b page = Page(300, 200);
   const cv::Rect area(kMargin, kTitleHeight, 100, 100);
-  DrawScaleBeside(page, area, SequentialColor, LinearTicks(1.0), "unit");
+  DrawScaleBeside(page, area, SequentialColour, LinearTicks(1.0), "unit");
   const int x = area.x + area.width + kMargin + kBarWidth / 2;
   EXPECT_GT(cv::norm(page(area.y + 2, x)), cv::norm(page(area.y + 97, x)));
   EXPECT_EQ(page(area.y + 50, area.x + area.width + kMargin - 4), kPaper);
@@ -72,8 +72,8 @@ TEST(LogCurve, RunsWhereItsAxesSay) {
   ExpectClearEdge(page);
   // A straight line in logarithms: the middle point is at the middle of the area, 100..724
   // by 44..414.
-  EXPECT_EQ(page(229, 412), DivergingColor(-0.9));
-  EXPECT_EQ(page(44, 100), DivergingColor(-0.9));
+  EXPECT_EQ(page(229, 412), DivergingColour(-0.9));
+  EXPECT_EQ(page(44, 100), DivergingColour(-0.9));
 }
 
 TEST(LogCurve, StrangeValuesAreDrawn) {

@@ -15,17 +15,17 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
 // CIE L* of a display colour.
-double Lightness(const cv::Vec3b& color) {
-  cv::Mat3f pixel(1, 1, cv::Vec3f(color) / 255.0f);
+double Lightness(const cv::Vec3b& colour) {
+  cv::Mat3f pixel(1, 1, cv::Vec3f(colour) / 255.0f);
   cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
   return pixel(0, 0)[0];
 }
 
-TEST(DivergingColor, IsSymmetricInLightnessFromWhiteToBlueAndRed) {
-  EXPECT_EQ(DivergingColor(0.0), cv::Vec3b(255, 255, 255));
+TEST(DivergingColour, IsSymmetricInLightnessFromWhiteToBlueAndRed) {
+  EXPECT_EQ(DivergingColour(0.0), cv::Vec3b(255, 255, 255));
   double previous = 101.0;
   for (double t = 0.0; t <= 1.0; t += 0.05) {
-    const cv::Vec3b red = DivergingColor(t), blue = DivergingColor(-t);
+    const cv::Vec3b red = DivergingColour(t), blue = DivergingColour(-t);
     EXPECT_NEAR(Lightness(red), Lightness(blue), 4.0) << t;
     EXPECT_LT(Lightness(red), previous);
     previous = Lightness(red);
@@ -34,17 +34,17 @@ TEST(DivergingColor, IsSymmetricInLightnessFromWhiteToBlueAndRed) {
       EXPECT_GT(blue[2], blue[0] + 10) << t;
     }
   }
-  EXPECT_EQ(DivergingColor(1.0), DivergingColor(1e30));
-  EXPECT_EQ(DivergingColor(-1.0), DivergingColor(-kInf));
-  EXPECT_EQ(DivergingColor(kNan), kUnobserved);
+  EXPECT_EQ(DivergingColour(1.0), DivergingColour(1e30));
+  EXPECT_EQ(DivergingColour(-1.0), DivergingColour(-kInf));
+  EXPECT_EQ(DivergingColour(kNan), kUnobserved);
 }
 
-TEST(SequentialColor, GetsLighter) {
+TEST(SequentialColour, GetsLighter) {
   for (double t = 0.0; t < 0.95; t += 0.05)
-    EXPECT_LT(Lightness(SequentialColor(t)), Lightness(SequentialColor(t + 0.05)));
-  EXPECT_EQ(SequentialColor(-3.0), SequentialColor(0.0));
-  EXPECT_EQ(SequentialColor(kInf), SequentialColor(1.0));
-  EXPECT_EQ(SequentialColor(kNan), kUnseen);
+    EXPECT_LT(Lightness(SequentialColour(t)), Lightness(SequentialColour(t + 0.05)));
+  EXPECT_EQ(SequentialColour(-3.0), SequentialColour(0.0));
+  EXPECT_EQ(SequentialColour(kInf), SequentialColour(1.0));
+  EXPECT_EQ(SequentialColour(kNan), kUnseen);
 }
 
 TEST(ToDisplay, EncodesAsSrgb) {

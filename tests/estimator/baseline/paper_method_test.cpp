@@ -122,7 +122,7 @@ TEST(PaperCostTest, OnePixelByHand) {
   const PaperProblem problem(one, {Vector3d::UnitZ()}, 10.0);
   ASSERT_EQ(problem.count(), 8);
   VectorXd x = problem.Start();
-  for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(x[problem.Color(c)], observed[c]);  // the median
+  for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(x[problem.Colour(c)], observed[c]);  // the median
   for (const int i :
        {problem.Ambient(), problem.Diffuse(), problem.Specular(), problem.Shininess()})
     EXPECT_EQ(x[i], 0.5);

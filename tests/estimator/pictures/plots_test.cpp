@@ -23,15 +23,15 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
 // CIE L* of a display colour.
-double Lightness(const cv::Vec3b& color) {
-  cv::Mat3f pixel(1, 1, cv::Vec3f(color) / 255.0f);
+double Lightness(const cv::Vec3b& colour) {
+  cv::Mat3f pixel(1, 1, cv::Vec3f(colour) / 255.0f);
   cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
   return pixel(0, 0)[0];
 }
 
-bool Contains(const cv::Mat3b& page, const cv::Vec3b& color) {
+bool Contains(const cv::Mat3b& page, const cv::Vec3b& colour) {
   for (const cv::Vec3b& pixel : page)
-    if (pixel == color) return true;
+    if (pixel == colour) return true;
   return false;
 }
 
@@ -46,10 +46,10 @@ TEST(ResidualPicture, ShowsEachValueInItsColour) {
   const auto at = [&](int row, int column) {
     return page(44 + 6 * row + 3, plot::kMargin + 6 * column + 3);
   };
-  EXPECT_EQ(at(10, 20), plot::DivergingColor(1.0));
-  EXPECT_EQ(at(11, 20), plot::DivergingColor(-0.5));
+  EXPECT_EQ(at(10, 20), plot::DivergingColour(1.0));
+  EXPECT_EQ(at(11, 20), plot::DivergingColour(-0.5));
   EXPECT_EQ(at(12, 20), plot::kUnobserved);
-  EXPECT_EQ(at(13, 20), plot::DivergingColor(0.0));
+  EXPECT_EQ(at(13, 20), plot::DivergingColour(0.0));
 }
 
 TEST(ResidualPicture, BarIsSymmetric) {
@@ -130,9 +130,9 @@ TEST(IntensityPicture, GapsWithinWhatWasSeenAreClosedAndItsBorderStays) {
       if ((row + column) % 2 == 0) map(row, column % 360) = 0.5f;
   const cv::Mat3b page = IntensityPicture({map}, {});
   const auto at = [&](int row, int column) { return page(44 + 3 * row + 1, 84 + 3 * column + 1); };
-  EXPECT_EQ(at(51, 359), plot::SequentialColor(1.0));
-  EXPECT_EQ(at(50, 0), plot::SequentialColor(1.0));
-  EXPECT_EQ(at(50, 1), plot::SequentialColor(1.0));
+  EXPECT_EQ(at(51, 359), plot::SequentialColour(1.0));
+  EXPECT_EQ(at(50, 0), plot::SequentialColour(1.0));
+  EXPECT_EQ(at(50, 1), plot::SequentialColour(1.0));
   EXPECT_EQ(at(38, 0), plot::kUnseen);
   EXPECT_EQ(at(61, 10), plot::kUnseen);
   EXPECT_EQ(at(50, 337), plot::kUnseen);
@@ -154,8 +154,8 @@ TEST(ConvergencePicture, FallingResidualFallsOnThePage) {
   ExpectClearEdge(page);
   // A straight line in logarithms: the middle point is at the middle of the area, 100..724
   // by 44..414.
-  EXPECT_EQ(page(229, 412), plot::DivergingColor(-0.9));
-  EXPECT_EQ(page(44, 100), plot::DivergingColor(-0.9));
+  EXPECT_EQ(page(229, 412), plot::DivergingColour(-0.9));
+  EXPECT_EQ(page(44, 100), plot::DivergingColour(-0.9));
 }
 
 TEST(ConvergencePicture, StrangeHistoriesAreDrawn) {
