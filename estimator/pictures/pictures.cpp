@@ -70,7 +70,7 @@ cv::Mat ReducedMap(const cv::Mat& map, int factor, float none) {
 // are black.
 cv::Mat3f ColourPicture(const cv::Mat& radiance, int reduce) {
   cv::Mat colour = radiance;
-  if (radiance.channels() == 1) cv::cvtColor(radiance, color, cv::COLOR_GRAY2RGB);
+  if (radiance.channels() == 1) cv::cvtColor(radiance, colour, cv::COLOR_GRAY2RGB);
   return ReducedMap<3>(colour, reduce, 0.0f);
 }
 
