@@ -170,8 +170,9 @@ Vector2d ProjectOne(const Lens& lens, const Vector3d& v, Eigen::Matrix<double, 2
   return std::isfinite(q.x) && std::isfinite(q.y) ? Vector2d(q.x, q.y) : failed;
 }
 
-// Two unit vectors that with the unit vector v make a right-handed frame.
-Eigen::Matrix<double, 3, 2> TangentBasis(const Vector3d& v) {
+// Two unit vectors that with the unit vector v make a right-handed frame, by a cross product with
+// an axis that is far from v. Where an image point is looked for, any such frame will do.
+Eigen::Matrix<double, 3, 2> CrossProductBasis(const Vector3d& v) {
   const Vector3d helper = std::abs(v.z()) > 0.7 ? Vector3d::UnitX() : Vector3d::UnitZ();
   Eigen::Matrix<double, 3, 2> basis;
   basis.col(0) = (helper - helper.dot(v) * v).normalized();
@@ -204,7 +205,7 @@ Vector3d Refine(const Lens& lens, const Vector2d& q, Vector3d v) {
   Vector2d miss = q - ProjectOne(lens, v, nullptr);
   for (int iteration = 0; iteration < 50; ++iteration) {
     if (!miss.allFinite()) return failed;
-    const Eigen::Matrix<double, 3, 2> basis = TangentBasis(v);
+    const Eigen::Matrix<double, 3, 2> basis = CrossProductBasis(v);
     const Matrix2d derivative = TangentDerivative(lens, v, basis);
     if (!(derivative.determinant() > 0.0)) return failed;
     // Two orders below the tolerance, as reaching it leaves no room for those who check.
@@ -234,7 +235,7 @@ bool Connected(const Lens& lens, const Vector3d& v) {
   for (int i = 0; i < kSamples; ++i) {
     const double t = static_cast<double>(i) / kSamples;
     const Vector3d w = ((1.0 - t) * Vector3d::UnitZ() + t * v).normalized();
-    if (!(TangentDerivative(lens, w, TangentBasis(w)).determinant() > 0.0)) return false;
+    if (!(TangentDerivative(lens, w, CrossProductBasis(w)).determinant() > 0.0)) return false;
   }
   return true;
 }

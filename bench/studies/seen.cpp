@@ -13,11 +13,6 @@ using Eigen::Vector3d;
 using estimator::model::Light;
 using estimator::observe::Observations;
 
-// Towards the light, not normalised: its length is the distance times the inverse distance.
-Vector3d Towards(const Light& light, const Vector3d& position) {
-  return light.direction - light.inverse_distance * position;
-}
-
 }  // namespace
 
 Result<SeenSurface> SeenSurface::Build(const rig::sim::SyntheticConfig& config) {
@@ -62,7 +57,7 @@ int SeenSurface::ViewsOfHighlight(const Light& light, double shininess, int min_
   const double half = std::exp2(-1.0 / shininess);
   std::vector<int> count(X_WT_.size(), 0);
   for (const SeenPixel& pixel : pixels_) {
-    const Vector3d towards = Towards(light, pixel.position);
+    const Vector3d towards = light.Toward(pixel.position);
     const double length = towards.norm();
     if (towards.dot(pixel.mirrored) < half * length || towards.dot(pixel.normal) <= 0.0) continue;
     int& of_view = count[static_cast<std::size_t>(pixel.view)];
@@ -89,7 +84,7 @@ double SeenSurface::Brightest(const estimator::model::Scene& scene) const {
 double SeenSurface::HighlightPeak(const estimator::model::Scene& scene, const Light& light) const {
   double peak = 0.0;
   for (const SeenPixel& pixel : pixels_) {
-    const Vector3d towards = Towards(light, pixel.position);
+    const Vector3d towards = light.Toward(pixel.position);
     const double length = towards.norm();
     const double cosine = towards.dot(pixel.mirrored) / length;
     if (cosine <= 0.0 || towards.dot(pixel.normal) <= 0.0) continue;

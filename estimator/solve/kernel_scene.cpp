@@ -13,6 +13,7 @@ namespace {
 using kernel::KernelModel;
 using kernel::KernelPixels;
 
+static_assert(kernel::kNoPixel == observe::Observations::kNoPixel, "filled up with the same");
 static_assert(kernel::kTilePixels == observe::kTile,
               "a tile of observations is a tile of the kernel");
 

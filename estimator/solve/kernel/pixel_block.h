@@ -37,8 +37,7 @@ TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPix
   for (int c = 0; c < model.channels; ++c)
     block.radiance[c] = LoadFloats(pixels.radiance[c] + at, Real{});
   for (int i = 0; i < kLanes; ++i)
-    block.valid[i] =
-        pixels.pixel[at + static_cast<std::size_t>(i)] == 0xFFFFFFFFu ? Real(0) : Real(1);
+    block.valid[i] = pixels.pixel[at + static_cast<std::size_t>(i)] == kNoPixel ? Real(0) : Real(1);
   if (pixels.usable) block.valid *= LoadBytes<Real>(pixels.usable + at);
   block.lit = pixels.lit;
   block.at = at;

@@ -13,7 +13,8 @@ namespace turnlight::estimator::solve::kernel {
 
 inline constexpr int kLanes = 16;
 inline constexpr int kTilePixels = 256;
-inline constexpr int kMaxSamples = 8;   // per side of a footprint
+inline constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;  // fills up a tile
+inline constexpr int kMaxSamples = 8;                   // per side of a footprint
 inline constexpr int kSharedFixed = 5;  // ambient, diffuse, specular, log shininess, roughness^2
 inline constexpr int kPerLight = 4;     // intensity, two tangents, inverse distance
 
