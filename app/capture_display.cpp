@@ -62,8 +62,7 @@ void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++done_;
   frame_text_ = BracketText(bracket, done_, total_);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = stopwatch_.Seconds();
   if (done_ < total_) {
     const double left =
         seconds / static_cast<double>(done_ - before_) * static_cast<double>(total_ - done_);

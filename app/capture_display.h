@@ -2,13 +2,13 @@
 // rewritten, with the faults above them; elsewhere a plain line for each event.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "base/stopwatch.h"
 #include "nodes/messages.h"
 
 namespace turnlight::app {
@@ -46,7 +46,7 @@ class CaptureDisplay {
   const std::size_t total_;
   const std::size_t before_;
   const bool terminal_;
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch_;
   std::mutex mutex_;
   std::size_t done_;
   std::string frame_text_;

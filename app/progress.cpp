@@ -30,21 +30,16 @@ Progress::Progress(std::string label, std::size_t total)
     : label_(std::move(label)),
       total_(total),
       terminal_(::isatty(STDERR_FILENO) == 1),
-      start_(std::chrono::steady_clock::now()),
       next_s_(terminal_ ? 0.0 : kPlainPeriod) {}
 
 Progress::~Progress() {
   if (terminal_ && done_ > 0) std::fputs("\r\033[K", stderr);
 }
 
-double Progress::Seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-}
-
 void Progress::Step() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++done_;
-  const double seconds = Seconds();
+  const double seconds = stopwatch_.Seconds();
   const bool last = done_ == total_;
   if (seconds < next_s_ && !last) return;
   next_s_ = seconds + (terminal_ ? kTerminalPeriod : kPlainPeriod);

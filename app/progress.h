@@ -2,10 +2,11 @@
 // time left, on a terminal; elsewhere a plain line now and then.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <string>
+
+#include "base/stopwatch.h"
 
 namespace turnlight::app {
 
@@ -28,12 +29,10 @@ class Progress {
                           double seconds);
 
  private:
-  double Seconds() const;
-
   const std::string label_;
   const std::size_t total_;
   const bool terminal_;
-  const std::chrono::steady_clock::time_point start_;
+  const Stopwatch stopwatch_;
   std::mutex mutex_;
   std::size_t done_ = 0;
   double next_s_ = 0.0;  // when the next line is due

@@ -1,6 +1,5 @@
 #include "app/session_estimate.h"
 
-#include <chrono>
 #include <utility>
 
 #include "app/closure.h"
@@ -11,6 +10,7 @@
 #include "app/scene_input.h"
 #include "app/summary.h"
 #include "base/file.h"
+#include "base/stopwatch.h"
 #include "estimator/results/result_json.h"
 
 namespace turnlight::app {
@@ -46,7 +46,7 @@ Result<from_session::SessionEstimate> EstimateForAPerson(const std::filesystem::
 Result<WrittenEstimate> WriteEstimate(const std::filesystem::path& session,
                                       const std::filesystem::path& out,
                                       const WriteOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   if (const Status status = CheckOutputFolder(out, session); !status) return Forward(status);
   const auto estimated = EstimateForAPerson(session, options);
   if (!estimated) return Forward(estimated);
@@ -59,12 +59,11 @@ Result<WrittenEstimate> WriteEstimate(const std::filesystem::path& session,
     if (!written) return Forward(written);
     pictures = *written;
   }
-  const std::chrono::duration<double> total = std::chrono::steady_clock::now() - start;
+  const double total_s = stopwatch.Seconds();
   WrittenEstimate done;
   done.closure = estimated->closure;
-  done.json =
-      estimator::results::ResultToJson(estimate, estimated->session.name, options.estimate.method,
-                                       {estimated->load_s, total.count()});
+  done.json = estimator::results::ResultToJson(
+      estimate, estimated->session.name, options.estimate.method, {estimated->load_s, total_s});
   if (const Status status = WriteFileAtomic(out / "result.json", done.json); !status)
     return Forward(status);
   done.summary = Summary(estimate, estimated->session.name, estimated->session.length_unit) + "\n" +

@@ -1,9 +1,9 @@
 #include "estimator/estimate.h"
 
-#include <chrono>
 #include <utility>
 
 #include "base/format.h"
+#include "base/stopwatch.h"
 #include "estimator/exposure_level.h"
 #include "estimator/notes.h"
 #include "estimator/observe/observed_scene.h"
@@ -16,10 +16,6 @@
 
 namespace turnlight::estimator {
 namespace {
-
-double Seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
 // scaled back.
@@ -79,7 +75,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, observe::IntensityMap* map,
                                       select::Refined* refined) {
-  const double begin = Seconds();
+  const Stopwatch stopwatch;
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   observe::IntensityMap own_map;
@@ -93,7 +89,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   start::Start start = StartOf(all, noise, used_map, options);
   Tell(options.watch, Part::kRefine);
   if (StopRequested(options.watch.stop)) return InterruptedError();
-  const double started = Seconds();
+  const double started = stopwatch.Seconds();
   Estimate estimate;
   estimate.ladder = std::move(start.ladder);
   for (const double rms : start.rms_history)
@@ -112,8 +108,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   AddNotes(estimate);
   AddCountNote(noise, brightest, estimate);
-  estimate.initial_s = started - begin;
-  estimate.solve_s = Seconds() - started;
+  estimate.initial_s = started;
+  estimate.solve_s = stopwatch.Seconds() - started;
   if (refined) *refined = std::move(result);
   return estimate;
 }
@@ -121,19 +117,19 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
 Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
                                      const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options) {
-  const double begin = Seconds();
+  const Stopwatch stopwatch;
   Tell(options.watch, Part::kObserve);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   const auto observed = observe::ObserveScene(keyframes, geometry, rays);
   if (!observed) return Forward(observed);
-  const double built = Seconds();
+  const double built = stopwatch.Seconds();
   EstimateOutput out;
   select::Refined refined;
   auto estimate =
       EstimateObservations(observed->pixels, observed->signatures, options, &out.map, &refined);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
-  out.estimate.initial_s += built - begin;
+  out.estimate.initial_s += built;
   AddOutliersNote(observed->counts, out.estimate);
   out.residuals = ResidualMaps(observed->pixels, refined.solution.scene, refined.options.evaluate,
                                {rays.width(), rays.height()});

@@ -1,12 +1,12 @@
 #include "estimator/baseline/paper_estimate.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "base/format.h"
+#include "base/stopwatch.h"
 #include "estimator/notes.h"
 #include "estimator/observe/intensity_map.h"
 #include "estimator/observe/observed_scene.h"
@@ -63,10 +63,6 @@ void AddPaperNotes(const PaperOptions& options, Estimate& out) {
     out.notes.push_back({"not-converged", "The descent reached its limit of iterations."});
 }
 
-double Seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 // Lights, reflectance, residuals, decisions and notes.
 void FillFromPaper(const observe::Observations& observations, const PaperSolution& solution,
                    const PaperOptions& options, Estimate& out) {
@@ -103,7 +99,7 @@ void FillFromPaper(const observe::Observations& observations, const PaperSolutio
 Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyframes,
                                        const target::Geometry& geometry, const calib::RayGrid& rays,
                                        const PaperOptions& options, const Watch& watch) {
-  const double begin = Seconds();
+  const Stopwatch stopwatch;
   const auto enter = [&](Part part) {
     if (watch.on_part) watch.on_part(part);
     return !StopRequested(watch.stop);
@@ -115,7 +111,7 @@ Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyfr
   if (!enter(Part::kStart)) return InterruptedError();
   EstimateOutput out;
   out.map = observe::MakeIntensityMap(all);
-  const double mapped = Seconds();
+  const double mapped = stopwatch.Seconds();
   if (!enter(Part::kRefine)) return InterruptedError();
   const auto solution = SolveByPaper(all, out.map, options, watch.stop);
   if (StopRequested(watch.stop)) return InterruptedError();
@@ -127,8 +123,8 @@ Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyfr
       observe::DistinctViews(observed->signatures, observe::EstimateNoise(all));
   AddViewsNote(estimate);
   AddOutliersNote(observed->counts, estimate);
-  estimate.initial_s = mapped - begin;
-  estimate.solve_s = Seconds() - mapped;
+  estimate.initial_s = mapped;
+  estimate.solve_s = stopwatch.Seconds() - mapped;
   out.residuals = ResidualMaps(all, solution->scene, {}, {rays.width(), rays.height()});
   return out;
 }

@@ -1,6 +1,5 @@
 #include "estimator/from_session/session_estimate.h"
 
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <string>
@@ -8,13 +7,12 @@
 
 #include "base/format.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "calib/camera_model.h"
 #include "estimator/baseline/paper_estimate.h"
 
 namespace turnlight::estimator::from_session {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Tells the stages: each begun ends the one before.
 class Stages {
@@ -187,11 +185,11 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& optio
 
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
                                         const Options& options) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   Stages stages(options);
   auto loaded = Load(folder, options, stages);
   if (!loaded) return Forward(loaded);
-  const double load_s = std::chrono::duration<double>(Clock::now() - start).count();
+  const double load_s = stopwatch.Seconds();
   auto output = EstimateLoaded(*loaded, options, stages);
   if (!output) return Forward(output);
   stages.End();

@@ -6,20 +6,14 @@
 
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
+
+#include "tests/base/plot/lightness.h"
 
 namespace turnlight::plot {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
-
-// CIE L* of a display colour.
-double Lightness(const cv::Vec3b& colour) {
-  cv::Mat3f pixel(1, 1, cv::Vec3f(colour) / 255.0f);
-  cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
-  return pixel(0, 0)[0];
-}
 
 TEST(DivergingColour, IsSymmetricInLightnessFromWhiteToBlueAndRed) {
   EXPECT_EQ(DivergingColour(0.0), cv::Vec3b(255, 255, 255));

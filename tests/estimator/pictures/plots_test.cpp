@@ -7,27 +7,21 @@
 
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 
 #include "base/angles.h"
 #include "base/plot/canvas.h"
 #include "tests/base/plot/clear_edge.h"
+#include "tests/base/plot/lightness.h"
 
 namespace turnlight::estimator::pictures {
 namespace {
 
 using Eigen::Vector3d;
 using plot::ExpectClearEdge;
+using plot::Lightness;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
-
-// CIE L* of a display colour.
-double Lightness(const cv::Vec3b& colour) {
-  cv::Mat3f pixel(1, 1, cv::Vec3f(colour) / 255.0f);
-  cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
-  return pixel(0, 0)[0];
-}
 
 bool Contains(const cv::Mat3b& page, const cv::Vec3b& colour) {
   for (const cv::Vec3b& pixel : page)

@@ -18,12 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-RandomObservations Scanned(const model::Scene& truth) {
-  RandomObservations random(40 * observe::kTile, 3, 3, &truth);
-  AddNoise(0.002, 5, random.observations);
-  return random;
-}
-
 // The normal of point i turned, and what it mirrors with it; the radiances stay.
 void Turn(observe::Observations& all, std::size_t i, const Eigen::AngleAxisd& by) {
   const Vector3d n = observe::At(all.normal, i), w = observe::At(all.mirrored, i);
@@ -64,7 +58,7 @@ TEST(NormalErrors, ScoresAreTheSlopesOfTheCost) {
 
 TEST(NormalErrors, ATiltIsUndoneWithTheLights) {
   const model::Scene truth = TwoLights();
-  RandomObservations random = Scanned(truth);
+  RandomObservations random = NoisyObservations(truth);
   observe::Observations& all = random.observations;
   for (std::size_t i = 0; i < all.used; ++i)
     Turn(all, i, Eigen::AngleAxisd(DegToRad(8.0), Vector3d(1.0, 0.4, 0.2).normalized()));
@@ -78,7 +72,7 @@ TEST(NormalErrors, ATiltIsUndoneWithTheLights) {
 TEST(NormalErrors, ScatteredNormalsAreToldByHowMuch) {
   const model::Scene truth = TwoLights();
   for (const double angle_deg : {0.5, 2.0}) {
-    RandomObservations random = Scanned(truth);
+    RandomObservations random = NoisyObservations(truth);
     observe::Observations& all = random.observations;
     const RandomStream axes(6, 6);
     for (std::size_t i = 0; i < all.used; ++i) {
@@ -96,7 +90,7 @@ TEST(NormalErrors, ScatteredNormalsAreToldByHowMuch) {
 
 TEST(NormalErrors, WhereNoNormalIsWrongNoneIsSaidToBe) {
   const model::Scene truth = TwoLights();
-  const RandomObservations random = Scanned(truth);
+  const RandomObservations random = NoisyObservations(truth);
   const solve::Solution solution = solve::Solve(random.observations, truth, {});
   const ScoreProbe probe(random.observations, solution.scene, {});
   const TiltResponse response = TiltNormals(random.observations, solution.scene, {}, probe);

@@ -18,12 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-RandomObservations WithNoise(const model::Scene& truth) {
-  RandomObservations random(40 * observe::kTile, 3, 3, &truth);
-  AddNoise(0.002, 5, random.observations);
-  return random;
-}
-
 TEST(Unmodelled, ALightOfSomeExtentHasItsVariance) {
   const model::Scene scene = TwoLights();
   const Vector3d axis = model::TangentBasis(scene.lights[0].direction).col(0);
@@ -83,7 +77,7 @@ TEST(Unmodelled, OneMoreLightIsAskedForWithItsIntensity) {
 
 TEST(Unmodelled, WhereNothingIsLeftOutNothingIsFound) {
   const model::Scene truth = TwoLights();
-  const RandomObservations random = WithNoise(truth);
+  const RandomObservations random = NoisyObservations(truth);
   const solve::Solution solution = solve::Solve(random.observations, truth, {});
   const Unmodelled unmodelled = TryUnmodelled(random.observations, solution);
   EXPECT_EQ(unmodelled.normal_variance, 0.0);
