@@ -16,6 +16,9 @@ find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tl-expected REQUIRED)
+pkg_check_modules(serialport REQUIRED IMPORTED_TARGET libserialport)
+# Its .pc file needs that of libusb, which its package does not bring.
+pkg_check_modules(aravis REQUIRED IMPORTED_TARGET aravis-0.8)
 
 # mrcal ships neither a .pc nor a CMake file.
 find_path(MRCAL_INCLUDE_DIR mrcal/mrcal.h REQUIRED)

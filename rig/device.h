@@ -2,9 +2,11 @@
 // interfaces. Real drivers and simulated hardware implement the same.
 //
 // No call blocks for longer than it takes to hand over bytes: a move or an exposure is begun, then
-// polled. Time is passed in (nanoseconds since the capture's start, monotonic), so that simulated
-// devices can live in virtual time; drivers of real hardware may ignore it. A fault is a value,
-// never an exception, a crash or a hang.
+// polled. Only the first Open may take longer, up to the driver's declared deadline, and a call to
+// a device that has just been lost, up to a second. Time is passed in (nanoseconds since the
+// capture's start, monotonic), so that simulated devices can live in virtual time; a driver of real
+// hardware takes it for what its own clock shows at the call, to say in it when things were true. A
+// fault is a value, never an exception, a crash or a hang.
 #pragma once
 
 #include <chrono>
@@ -12,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 
@@ -32,15 +35,22 @@ enum class TableMotion {
 };
 
 struct TableState {
-  DeviceTime time{};  // when the state was true
+  DeviceTime time{};  // when the state was true; the same as before if nothing newer is known
   TableMotion motion = TableMotion::kIdle;
   double angle_deg = 0.0;  // as the controller reports it; positive is counter-clockwise from +z
   std::string fault;       // in words; empty unless kFault or kUnhomed
 };
 
+// What a device measures of itself, for the provenance: a temperature, a counter of lost packets.
+struct DeviceReading {
+  std::string name;  // the device's own word, "DeviceTemperature"
+  double value = 0.0;
+};
+
 class Turntable {
  public:
   virtual ~Turntable() = default;
+  // Opens it and learns who it is. On a device that was lost: tries once more, without waiting.
   virtual Result<DeviceIdentity> Open(DeviceTime now) = 0;
   virtual Status Home(DeviceTime now) = 0;
   // Begins a move to an absolute angle. Refused while moving or unhomed.
@@ -48,6 +58,9 @@ class Turntable {
   virtual Result<TableState> State(DeviceTime now) = 0;
   // Stops the motor now; the position stays known only if the controller says so.
   virtual Status Halt(DeviceTime now) = 0;
+  // What happened since the last call that a person should know and the capture need not: a command
+  // sent again, a setting that the device does not have. One line each.
+  virtual std::vector<std::string> TakeNotes() { return {}; }
 };
 
 struct CameraSettings {
@@ -77,6 +90,10 @@ class Camera {
   virtual Result<std::uint64_t> Trigger(DeviceTime now) = 0;
   // The next frame if there is one by now.
   virtual Result<std::optional<RawFrame>> Poll(DeviceTime now) = 0;
+  // As of the turntable.
+  virtual std::vector<std::string> TakeNotes() { return {}; }
+  // As of the last picture; empty if it measures nothing.
+  virtual std::vector<DeviceReading> Readings() { return {}; }
 };
 
 }  // namespace turnlight::rig
