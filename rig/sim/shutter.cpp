@@ -31,7 +31,7 @@ std::uint64_t Mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-RandomStream NoiseOf(std::uint64_t seed, double commanded_deg, const CameraSettings& set) {
+RandomStream NoiseStream(std::uint64_t seed, double commanded_deg, const CameraSettings& set) {
   std::uint64_t key = 0;
   for (const double part : {commanded_deg * 1e6, set.exposure_us * 1e3, set.gain_db * 1e3})
     key = Mix(key ^ static_cast<std::uint64_t>(std::llround(part)));
@@ -171,7 +171,7 @@ cv::Mat3f Shutter::Expose(const Shot& shot) {
 cv::Mat Shutter::Develop(const Shot& shot, const Sensor& sensor,
                          const calib::Radiometry& radiometry, bool grey) {
   const RandomStream noise =
-      NoiseOf(config_.scene.seed, table_->CommandedAngleDeg(shot.begin), shot.set);
+      NoiseStream(config_.scene.seed, table_->CommandedAngleDeg(shot.begin), shot.set);
   const cv::Mat3f colour = Expose(shot) * shot.light_factor;
   const cv::Mat radiance = grey ? cv::Mat(MeanOfChannels(colour)) : cv::Mat(colour);
   cv::Mat image = Photograph(sensor, radiometry, {shot.actual.exposure_us, shot.actual.gain_db},
