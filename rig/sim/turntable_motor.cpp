@@ -68,10 +68,9 @@ void MockTurntable::SetCount(double counted_deg, DeviceTime now) {
   Segment segment = BeginSegment(now);
   const auto home =
       static_cast<double>(std::llround(config_.home_switch_deg * config_.steps_per_deg));
-  segment.count_from =
-      static_cast<std::int64_t>(std::llround(counted_deg * config_.steps_per_deg));
-  segment.motor_from = static_cast<std::int64_t>(std::llround(
-      home + (segment.motor_to_deg * config_.steps_per_deg - home) / config_.scale));
+  segment.count_from = static_cast<std::int64_t>(std::llround(counted_deg * config_.steps_per_deg));
+  segment.motor_from = static_cast<std::int64_t>(
+      std::llround(home + (segment.motor_to_deg * config_.steps_per_deg - home) / config_.scale));
   segment.motor_from_deg = segment.motor_to_deg = TrueOfSteps(segment.motor_from);
   Append(segment);
 }

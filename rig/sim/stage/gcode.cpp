@@ -49,8 +49,8 @@ std::optional<Group> GroupOf(int g) {
 // The words of a block by what they are.
 struct Sorted {
   std::set<int> g;
-  std::optional<int> m;            // 3, 4 or 5
-  std::map<char, double> values;   // F, S, P, axes
+  std::optional<int> m;           // 3, 4 or 5
+  std::map<char, double> values;  // F, S, P, axes
 };
 
 std::optional<GrblError> SortG(double value, std::set<Group>& groups, Sorted& sorted) {
@@ -156,8 +156,7 @@ std::variant<std::vector<GcodeWord>, GrblError> SplitGcode(const std::string& bl
 }
 
 std::variant<GcodeBlock, GrblError> ReadGcode(const std::string& text, const GcodeModes& modes,
-                                              char axis, const std::string& axes,
-                                              double position) {
+                                              char axis, const std::string& axes, double position) {
   const auto words = SplitGcode(text);
   if (const auto* error = std::get_if<GrblError>(&words)) return *error;
   auto sorting = Sort(std::get<std::vector<GcodeWord>>(words), axes);
@@ -187,8 +186,8 @@ std::variant<GcodeBlock, GrblError> ReadGcode(const std::string& text, const Gco
     return GrblError::kUnusedWords;
   if (!std::isfinite(target)) return GrblError::kInvalidTarget;
   const auto feed = Take(sorted, 'F');
-  if (const auto error = SetFeed(feed, std::abs(target - position),
-                                 axis_words || sorted.g.contains(1), block))
+  if (const auto error =
+          SetFeed(feed, std::abs(target - position), axis_words || sorted.g.contains(1), block))
     return *error;
   Take(sorted, 'N');
   Take(sorted, 'T');

@@ -140,8 +140,8 @@ void GrblFirmware::ReportStatus(DeviceTime now) {
   const bool moves = homing_ || held_ || Moves();
   const int mask = static_cast<int>(settings_.Value(10));
   // There are no offsets, so both positions are the same number.
-  std::string text = "<" + StateWord(now) + ((mask & 1) != 0 ? "|MPos:" : "|WPos:") +
-                     Coordinates(Position(now));
+  std::string text =
+      "<" + StateWord(now) + ((mask & 1) != 0 ? "|MPos:" : "|WPos:") + Coordinates(Position(now));
   if ((mask & 2) != 0)
     text += Format("|Bf:%zu,%zu", planner_blocks() - planner_.size() - (active_ ? 1 : 0),
                    rx_bytes() - rx_.size());

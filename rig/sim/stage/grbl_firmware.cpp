@@ -231,7 +231,8 @@ void GrblFirmware::TakeCharacter(char byte) {
     comment_ = true;
   } else if (byte > ' ' && byte != '/') {
     overflow_ = line_.size() >= kLineBytes - 1;
-    if (!overflow_) line_ += byte >= 'a' && byte <= 'z' ? static_cast<char>(byte - 'a' + 'A') : byte;
+    if (!overflow_)
+      line_ += byte >= 'a' && byte <= 'z' ? static_cast<char>(byte - 'a' + 'A') : byte;
   }
 }
 

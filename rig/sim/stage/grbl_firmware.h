@@ -2,10 +2,10 @@
 // a grblHAL with four axes.
 //
 // As a board does it: a banner after a reset and half a second of silence; real-time bytes picked
-// out of the stream at any time; one line after the other, `ok` when it is accepted and not when the
-// table has arrived; a planner of 15 blocks; G4 and the spindle wait for it; alarms that lock. Moves
-// end at rest, blocks are not blended. Jogging, offsets, arcs, probing and the check mode are not
-// there (error:20 or error:3).
+// out of the stream at any time; one line after the other, `ok` when it is accepted and not when
+// the table has arrived; a planner of 15 blocks; G4 and the spindle wait for it; alarms that lock.
+// Moves end at rest, blocks are not blended. Jogging, offsets, arcs, probing and the check mode are
+// not there (error:20 or error:3).
 //
 // Its faults are the table's: kAlarm and kLimit raise ALARM:1 (kLimit with |Pn:), kReset restarts
 // it, kNeverHomes ends in ALARM:9, kStuckSwitch in ALARM:8.
@@ -25,9 +25,9 @@
 namespace turnlight::rig::sim::stage {
 
 struct GrblConfig {
-  char axis = 'X';                 // X, or A for a grblHAL
-  std::map<int, double> settings;  // that differ from the table's and the usual
-  std::string build_info;          // what `$I` shows after the version
+  char axis = 'X';                     // X, or A for a grblHAL
+  std::map<int, double> settings;      // that differ from the table's and the usual
+  std::string build_info;              // what `$I` shows after the version
   std::array<std::string, 2> startup;  // $N0, $N1
 };
 
@@ -95,8 +95,8 @@ class GrblFirmware : public StageFirmware {
   std::string rx_;
   std::string line_;
   bool overflow_ = false, parentheses_ = false, comment_ = false;
-  bool line_open_ = false;            // its answer is still owed
-  std::optional<GcodeBlock> block_;   // of that line
+  bool line_open_ = false;           // its answer is still owed
+  std::optional<GcodeBlock> block_;  // of that line
   std::optional<DeviceTime> dwell_until_;
 
   GcodeModes modes_;

@@ -20,12 +20,28 @@ bool IsReal(int number) {
 GrblSettings::GrblSettings(const MockTurntableConfig& table, const std::string& axes, int axis,
                            const std::map<int, double>& overrides)
     : axis_(axis) {
-  values_ = {{0, 10},     {1, 255},  {2, 0},      {3, 0},
-             {4, 0},      {5, 0},    {6, 0},      {10, 1},
-             {11, 0.01},  {12, 0.002}, {13, 0},   {20, 0},
-             {21, 0},     {22, 0},   {23, 0},     {24, 0.2 * 60.0 * table.home_speed_deg_s},
-             {25, 60.0 * table.home_speed_deg_s}, {26, 250}, {27, 1}, {30, 1000},
-             {31, 0},     {32, 0}};
+  values_ = {{0, 10},
+             {1, 255},
+             {2, 0},
+             {3, 0},
+             {4, 0},
+             {5, 0},
+             {6, 0},
+             {10, 1},
+             {11, 0.01},
+             {12, 0.002},
+             {13, 0},
+             {20, 0},
+             {21, 0},
+             {22, 0},
+             {23, 0},
+             {24, 0.2 * 60.0 * table.home_speed_deg_s},
+             {25, 60.0 * table.home_speed_deg_s},
+             {26, 250},
+             {27, 1},
+             {30, 1000},
+             {31, 0},
+             {32, 0}};
   for (int i = 0; i < static_cast<int>(axes.size()); ++i) {
     const bool turns = i == axis;
     values_[100 + i] = turns ? table.steps_per_deg : 250.0;

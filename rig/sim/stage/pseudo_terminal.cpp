@@ -93,7 +93,13 @@ std::size_t PseudoTerminal::Write(std::string_view bytes) {
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
-void PseudoTerminal::DiscardOutput() { tcflush(master_, TCOFLUSH); }
+// What the other end holds can only be thrown away there.
+void PseudoTerminal::DiscardOutput() {
+  const int slave = open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  if (slave < 0) return;
+  tcflush(slave, TCIFLUSH);
+  close(slave);
+}
 
 void PseudoTerminal::WaitForInput(int milliseconds) const {
   PollOnce(master_, POLLIN, milliseconds);
@@ -103,8 +109,8 @@ Status CheckPortLink(const fs::path& link) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(link, error);
   if (!fs::exists(status)) return {};
-  const bool ours = fs::is_symlink(status) &&
-                    fs::read_symlink(link, error).string().rfind(kTerminals, 0) == 0;
+  const bool ours =
+      fs::is_symlink(status) && fs::read_symlink(link, error).string().rfind(kTerminals, 0) == 0;
   if (ours) return {};
   return InputError(link.string() +
                     ": there is something else under this name, allowed is a free name or a link "

@@ -1,7 +1,7 @@
 // A Newport SMC100 (CONEX-CC alike) with a rotary stage: `nnAAxx`, positions in degrees. Commands
 // that set something say nothing; a bad one leaves a letter that TE tells once. OR is for a stage
-// that is not referenced: RS comes first to home again. A line takes about 10 ms; a sender that does
-// not wait is held off by XOFF.
+// that is not referenced: RS comes first to home again. A line takes about 10 ms; a sender that
+// does not wait is held off by XOFF.
 //
 // Commands: AC, ID, MM, OR, OT, PA, PR, RS, SL, SR, ST, TB, TE, TH, TP, TS, VA, VE.
 //
@@ -72,8 +72,8 @@ class Smc100Firmware : public StageFirmware {
   double velocity_, acceleration_, min_deg_, max_deg_;
   double home_timeout_s_ = 120.0;
   State state_ = State::kNotReferencedFromReset;
-  int errors_ = 0;   // the four digits of TS
-  char error_ = '@'; // TE
+  int errors_ = 0;    // the four digits of TS
+  char error_ = '@';  // TE
   double setpoint_deg_ = 0.0;
   std::string rx_;
   bool held_off_ = false;  // XOFF was sent

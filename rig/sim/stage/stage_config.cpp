@@ -13,9 +13,9 @@ constexpr double kMaxDeg = 36000.0;
 constexpr std::size_t kMaxStartup = 79;
 
 bool IsNumber(const std::string& text, std::size_t most) {
-  return !text.empty() && text.size() <= most &&
-         std::all_of(text.begin(), text.end(),
-                     [](char c) { return std::isdigit(static_cast<unsigned char>(c)); });
+  return !text.empty() && text.size() <= most && std::all_of(text.begin(), text.end(), [](char c) {
+    return std::isdigit(static_cast<unsigned char>(c));
+  });
 }
 
 void ReadSettings(StrictObject& object, const StageConfig& config, GrblConfig& grbl) {

@@ -54,13 +54,11 @@ Result<std::unique_ptr<StageSimulator>> StageSimulator::Start(const StageConfig&
   std::error_code error;
   if (config.link.has_parent_path())
     std::filesystem::create_directories(config.link.parent_path(), error);
-  if (error)
-    return SystemError(config.link.parent_path().string() + ": " + error.message());
+  if (error) return SystemError(config.link.parent_path().string() + ": " + error.message());
   auto lock = LockFile::Take(config.link.string() + ".lock",
                              config.link.string() + ": another simulator has this port");
   if (!lock) return Forward(lock);
-  if (faults)
-    faults->SetResolution(std::max(kDecimalsDeg, 1.0 / config.table.steps_per_deg));
+  if (faults) faults->SetResolution(std::max(kDecimalsDeg, 1.0 / config.table.steps_per_deg));
   std::unique_ptr<StageSimulator> simulator(
       new StageSimulator(config, std::move(faults), epoch, std::move(*lock)));
   const DeviceTime now = simulator->Now();
@@ -185,8 +183,8 @@ void StageSimulator::WriteOutput(DeviceTime now) {
   const std::size_t count = terminal_->Write(std::string_view(output_).substr(0, most));
   output_.erase(0, count);
   if (config_.baud > 0)
-    output_free_ += DeviceTime(static_cast<std::int64_t>(static_cast<double>(count) * 1e9 *
-                                                         kBitsPerByte / config_.baud));
+    output_free_ += DeviceTime(
+        static_cast<std::int64_t>(static_cast<double>(count) * 1e9 * kBitsPerByte / config_.baud));
 }
 
 Result<std::unique_ptr<StageSimulator>> StartStage(StrictObject object, SimulatedWorld& world,

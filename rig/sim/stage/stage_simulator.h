@@ -1,13 +1,15 @@
 // A simulated stage on a pseudo-terminal: a thread that runs a firmware (stage_firmware.h) at the
-// pace of a serial line, under a fixed link. Times of its table are since the epoch that it is given,
-// so that a simulated camera can ask for the true angle of any instant.
+// pace of a serial line, under a fixed link. Times of its table are since the epoch that it is
+// given, so that a simulated camera can ask for the true angle of any instant.
 //
-// - Bytes come and go at the rate of the baud, ten bits each; what a host does not read is lost past
-//   64 KiB, what comes while the port is closed is lost, what a host wrote before it closed is read.
+// - Bytes come and go at the rate of the baud, ten bits each; what a host does not read is lost
+// past
+//   64 KiB, what comes while the port is closed is lost, what a host wrote before it closed is
+//   read.
 // - Opening the port by its first client resets the board if the config says so.
 // - The fault `unplugged` hangs up: the link is gone, whoever has the port open sees the end of it;
-//   later another pseudo-terminal is under the link. A GRBL is fed by USB: it stops and starts anew.
-//   The others have a supply of their own and go on.
+//   later another pseudo-terminal is under the link. A GRBL is fed by USB: it stops and starts
+//   anew. The others have a supply of their own and go on.
 #pragma once
 
 #include <atomic>

@@ -21,10 +21,10 @@ constexpr double kAccelerationUnit = 1.6384e-4;
 // The gravest first; the others follow in this order.
 constexpr const char* kFlagOrder[] = {"FD", "FS", "FE", "WM", "WR", "WH", "NI"};
 // What is the controller's and not an axis's.
-constexpr const char* kOfDevice[] = {
-    "device.id",     "deviceid",      "version",         "version.build",
-    "system.serial", "comm.address",  "system.axiscount", "comm.alert",
-    "comm.checksum", "system.access", "system.voltage",  "system.temperature"};
+constexpr const char* kOfDevice[] = {"device.id",        "deviceid",       "version",
+                                     "version.build",    "system.serial",  "comm.address",
+                                     "system.axiscount", "comm.alert",     "comm.checksum",
+                                     "system.access",    "system.voltage", "system.temperature"};
 
 bool IsOfDevice(const std::string& name) {
   return std::find(std::begin(kOfDevice), std::end(kOfDevice), name) != std::end(kOfDevice);
@@ -44,17 +44,18 @@ ZaberFirmware::ZaberFirmware(ZaberConfig config, std::shared_ptr<MockTurntable> 
   const MockTurntableConfig& motor = table_->config();
   const double steps = motor.steps_per_deg;
   const auto acceleration = std::llround(motor.acceleration_deg_s2 * steps * kAccelerationUnit);
-  settings_ = {{"maxspeed", std::llround(motor.max_speed_deg_s * steps * kSpeedUnit)},
-               {"accel", std::max<long long>(1, acceleration)},
-               {"limit.approach.maxspeed", std::llround(motor.home_speed_deg_s * steps * kSpeedUnit)},
-               {"limit.min", std::llround(config_.min_deg * steps)},
-               {"limit.max", std::llround(config_.max_deg * steps)},
-               {"limit.cycle.dist", std::llround(360.0 * steps)},
-               {"resolution", 64},
-               {"knob.enable", 1},
-               {"system.access", 1},
-               {"comm.alert", 0},
-               {"comm.checksum", config_.checksum ? 1 : 0}};
+  settings_ = {
+      {"maxspeed", std::llround(motor.max_speed_deg_s * steps * kSpeedUnit)},
+      {"accel", std::max<long long>(1, acceleration)},
+      {"limit.approach.maxspeed", std::llround(motor.home_speed_deg_s * steps * kSpeedUnit)},
+      {"limit.min", std::llround(config_.min_deg * steps)},
+      {"limit.max", std::llround(config_.max_deg * steps)},
+      {"limit.cycle.dist", std::llround(360.0 * steps)},
+      {"resolution", 64},
+      {"knob.enable", 1},
+      {"system.access", 1},
+      {"comm.alert", 0},
+      {"comm.checksum", config_.checksum ? 1 : 0}};
 }
 
 void ZaberFirmware::PowerOn(DeviceTime now) {
@@ -145,8 +146,7 @@ void ZaberFirmware::TakeLine(const std::string& line, DeviceTime now) {
   const auto command = ReadZaberCommand(line);
   if (!command || (command->device != 0 && command->device != config_.device)) return;
   const bool poll = command->words.empty() || command->words.front() == "get";
-  const Outcome outcome =
-      command->axis > 1 ? Rejected("BADAXIS") : Execute(*command, now);
+  const Outcome outcome = command->axis > 1 ? Rejected("BADAXIS") : Execute(*command, now);
   if (boots_at_) return;
   std::string text = Format("%02d %d ", config_.device, command->axis);
   if (command->id) text += Format("%02d ", *command->id);

@@ -24,8 +24,8 @@
 namespace turnlight::rig::sim::stage {
 
 struct ZaberConfig {
-  int device = 1;         // its number on the chain, 1..99
-  bool checksum = false;  // whether its messages carry one from the start
+  int device = 1;                                // its number on the chain, 1..99
+  bool checksum = false;                         // whether its messages carry one from the start
   double min_deg = -36000.0, max_deg = 36000.0;  // limit.min and limit.max
 };
 

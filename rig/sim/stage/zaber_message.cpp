@@ -11,9 +11,9 @@ namespace {
 
 // A number of at most three digits.
 std::optional<int> SmallNumber(const std::string& word) {
-  if (word.empty() || word.size() > 3 ||
-      !std::all_of(word.begin(), word.end(),
-                   [](char c) { return std::isdigit(static_cast<unsigned char>(c)); }))
+  if (word.empty() || word.size() > 3 || !std::all_of(word.begin(), word.end(), [](char c) {
+        return std::isdigit(static_cast<unsigned char>(c));
+      }))
     return std::nullopt;
   return std::atoi(word.c_str());
 }
