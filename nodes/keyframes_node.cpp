@@ -9,6 +9,9 @@
 namespace turnlight::nodes {
 namespace {
 
+// Readings of one controller are further apart than this.
+constexpr graph::Duration kNewReading = std::chrono::milliseconds(1);
+
 graph::Duration FromSeconds(double seconds) { return graph::FromMs(seconds * 1e3); }
 
 }  // namespace
@@ -84,6 +87,7 @@ Status KeyframesNode::Await(Phase phase, graph::Time from) {
 Status KeyframesNode::OnState(const graph::Message<rig::TableState>& state) {
   if (phase_ != Phase::kBefore && phase_ != Phase::kAfter) return {};
   if (state->time < readings_from_) return {};
+  readings_from_ = state->time + kNewReading;  // the same one may be told again
   if (job_.check_arrival) {
     if (const auto why = StandsAt(*state, Frame().angle_deg, job_.plan.tolerance_deg))
       return Reject(ErrorKind::kIncomplete, *why);
