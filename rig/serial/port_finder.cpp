@@ -38,7 +38,8 @@ PortInfo InfoOf(const sp_port* port) {
 }
 
 std::string Described(const PortInfo& info) {
-  return info.path + (info.usb_serial.empty() ? "" : " (USB serial number " + info.usb_serial + ")");
+  return info.path +
+         (info.usb_serial.empty() ? "" : " (USB serial number " + info.usb_serial + ")");
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ struct PortInfo {
 // Those that libserialport knows.
 std::vector<PortInfo> FindPorts();
 
-// Which port is meant: by its path, or by the serial number of its USB adapter, which stays when the
-// path changes.
+// Which port is meant: by its path, or by the serial number of its USB adapter, which stays when
+// the path changes.
 struct PortChoice {
-  std::string path;        // one of the two
+  std::string path;  // one of the two
   std::string usb_serial;
 };
 // The path to open now. Fails (kDevice): no such port, with those that are there.

@@ -13,9 +13,9 @@ Result<TableDevice> MakeGrblTable(StrictObject keys) {
   grbl::GrblOptions options = grbl::ReadGrblOptions(keys);
   options.speed_deg_s = read.kinematics.speed_deg_per_s;
   if (const Status status = keys.Finish(); !status) return Forward(status);
-  return TableDevice{std::make_shared<SerialTurntable>(std::move(read.options),
-                                                       std::make_unique<grbl::GrblProtocol>(options)),
-                     read.kinematics};
+  return TableDevice{std::make_shared<SerialTurntable>(
+                         std::move(read.options), std::make_unique<grbl::GrblProtocol>(options)),
+                     read.kinematics, true};
 }
 
 }  // namespace turnlight::rig::serial

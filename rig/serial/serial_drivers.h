@@ -1,5 +1,6 @@
-// The drivers of turntables on serial ports, of their keys: those that all have (serial_turntable.h),
-// and their protocol's own. Fails (kInput) with file, line, key and what is allowed.
+// The drivers of turntables on serial ports, of their keys: those that all have
+// (serial_turntable.h), and their protocol's own. Fails (kInput) with file, line, key and what is
+// allowed.
 #pragma once
 
 #include "base/result.h"

@@ -40,7 +40,8 @@ tl::unexpected<Error> Gone() {
 std::string OpenFailed(const std::string& path, int error) {
   std::string text = path + ": " + SystemWords(error);
   if (error == EACCES || error == EPERM)
-    text += "; your user may not open serial ports: sudo usermod -aG dialout $USER, then log in anew";
+    text +=
+        "; your user may not open serial ports: sudo usermod -aG dialout $USER, then log in anew";
   if (error == EBUSY) text += ", held by " + HoldersOf(path);
   return text;
 }
@@ -145,7 +146,7 @@ std::string LibraryWords() {
 }
 
 Status Configure(sp_port* port, const std::string& path, const LineSettings& settings) {
-  const sp_flowcontrol flow = settings.flow == FlowControl::kXonXoff ? SP_FLOWCONTROL_XONXOFF
+  const sp_flowcontrol flow = settings.flow == FlowControl::kXonXoff  ? SP_FLOWCONTROL_XONXOFF
                               : settings.flow == FlowControl::kRtsCts ? SP_FLOWCONTROL_RTSCTS
                                                                       : SP_FLOWCONTROL_NONE;
   if (sp_set_baudrate(port, settings.baud) == SP_OK && sp_set_bits(port, 8) == SP_OK &&
@@ -181,7 +182,8 @@ Result<std::unique_ptr<SerialLink>> OpenSerialLink(const std::string& path,
   sp_port* port = nullptr;
   if (sp_get_port_by_name(device.c_str(), &port) == SP_OK) return OpenPort(port, device, settings);
   if (IsPseudoTerminal(device)) return OpenPty(device);
-  return DeviceError(path + ": no serial port, allowed is one of those that turnlight devices lists");
+  return DeviceError(path +
+                     ": no serial port, allowed is one of those that turnlight devices lists");
 }
 
 std::string HoldersOf(const std::string& path) {

@@ -1,9 +1,9 @@
-// An open serial port: bytes in and out, without waiting. The real thing is libserialport, for every
-// device that the system knows as a serial port; a pseudo-terminal, which it does not know, is
-// opened by termios.
+// An open serial port: bytes in and out, without waiting. The real thing is libserialport, for
+// every device that the system knows as a serial port; a pseudo-terminal, which it does not know,
+// is opened by termios.
 //
-// A port is held by one program at a time: an advisory lock (flock) on the device itself, which ends
-// with its holder, and the refusal names the holder. Not for several threads at once.
+// A port is held by one program at a time: an advisory lock (flock) on the device itself, which
+// ends with its holder, and the refusal names the holder. Not for several threads at once.
 #pragma once
 
 #include <cstddef>
@@ -41,8 +41,8 @@ class SerialLink {
 Result<std::unique_ptr<SerialLink>> OpenSerialLink(const std::string& path,
                                                    const LineSettings& settings);
 
-// The programs that have the device open, as "NAME (process PID)", as far as this user may see; this
-// process aside.
+// The programs that have the device open, as "NAME (process PID)", as far as this user may see;
+// this process aside.
 std::string HoldersOf(const std::string& path);
 
 }  // namespace turnlight::rig::serial

@@ -38,9 +38,7 @@ std::vector<std::string> SerialTurntable::TakeNotes() {
 std::optional<StageTraits> SerialTurntable::traits() const {
   return worker_ ? worker_->traits() : std::nullopt;
 }
-std::string SerialTurntable::port_in_use() const {
-  return worker_ ? worker_->port_in_use() : "";
-}
+std::string SerialTurntable::port_in_use() const { return worker_ ? worker_->port_in_use() : ""; }
 Status SerialTurntable::NotOpen() const { return DeviceError(options_.driver + ": not open"); }
 
 SerialKeys ReadSerialKeys(StrictObject& keys, const std::string& driver, int default_baud) {
@@ -50,15 +48,17 @@ SerialKeys ReadSerialKeys(StrictObject& keys, const std::string& driver, int def
   options.port.path = keys.OptionalString("port").value_or("");
   options.port.usb_serial = keys.OptionalString("usb_serial").value_or("");
   if (options.port.path.empty() == options.port.usb_serial.empty())
-    keys.RefuseText("port", "allowed is exactly one of port, a path such as "
-                            "/dev/serial/by-id/usb-..., and usb_serial, the serial number of the USB "
-                            "adapter; turnlight devices lists both");
-  options.line.baud = static_cast<int>(keys.OptionalInteger("baud", 50, 4'000'000).value_or(default_baud));
+    keys.RefuseText("port",
+                    "allowed is exactly one of port, a path such as "
+                    "/dev/serial/by-id/usb-..., and usb_serial, the serial number of the USB "
+                    "adapter; turnlight devices lists both");
+  options.line.baud =
+      static_cast<int>(keys.OptionalInteger("baud", 50, 4'000'000).value_or(default_baud));
   options.reversed = keys.OptionalBoolean("reversed").value_or(false);
-  options.overshoot_deg = keys.OptionalNumber("overshoot_deg", {.min = 0.0, .max = 90.0}).value_or(3.0);
+  options.overshoot_deg =
+      keys.OptionalNumber("overshoot_deg", {.min = 0.0, .max = 90.0}).value_or(3.0);
   if (const auto limits = keys.OptionalNumbers("limits_deg", 2, {.min = -1e6, .max = 1e6})) {
-    if (!((*limits)[0] < (*limits)[1]))
-      keys.Refuse("limits_deg", "[MIN, MAX] with MIN below MAX");
+    if (!((*limits)[0] < (*limits)[1])) keys.Refuse("limits_deg", "[MIN, MAX] with MIN below MAX");
     options.limits = Travel{(*limits)[0], (*limits)[1]};
   }
   read.kinematics.speed_deg_per_s =
@@ -68,7 +68,8 @@ SerialKeys ReadSerialKeys(StrictObject& keys, const std::string& driver, int def
   return read;
 }
 
-// The worker's calls, on the callers' threads. -----------------------------------------------------
+// The worker's calls, on the callers' threads.
+// -----------------------------------------------------
 
 Result<DeviceIdentity> SerialTurntable::Worker::Open() {
   std::unique_lock lock(mutex_);
@@ -76,7 +77,8 @@ Result<DeviceIdentity> SerialTurntable::Worker::Open() {
   if (state_ == Link::kReady) return identified_->identity;
   if (state_ == Link::kConnecting)
     return DeviceError(options_.driver + ": the controller was not ready within " +
-                       NumberText(std::chrono::duration<double>(options_.open_deadline).count()) + " s");
+                       NumberText(std::chrono::duration<double>(options_.open_deadline).count()) +
+                       " s");
   return DeviceError(options_.driver + ": " + error_);
 }
 
@@ -115,9 +117,10 @@ Status SerialTurntable::Worker::MoveTo(double angle_deg) {
   const auto plan =
       PlanWoundMove(angle_deg, last_angle_deg_, turns_, travel, options_.overshoot_deg);
   if (!plan)
-    return DeviceError(Format("%s: move to %.6g deg, and the stage's travel of %.6g to %.6g deg has no "
-                              "such place, with whole turns added or taken off",
-                              options_.driver.c_str(), angle_deg, travel->min_deg, travel->max_deg));
+    return DeviceError(
+        Format("%s: move to %.6g deg, and the stage's travel of %.6g to %.6g deg has no "
+               "such place, with whole turns added or taken off",
+               options_.driver.c_str(), angle_deg, travel->min_deg, travel->max_deg));
   last_angle_deg_ = angle_deg;
   Wish wish{Kind::kMove, plan->legs_deg, plan->turns};
   if (options_.reversed)

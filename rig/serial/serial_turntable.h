@@ -64,8 +64,9 @@ class SerialTurntable : public Turntable {
   std::unique_ptr<Worker> worker_;
 };
 
-// The keys that all serial tables have: port or usb_serial (one of the two), baud, speed_deg_s (20),
-// acceleration_deg_s2 (100, of the plan), limits_deg ([min, max]), reversed (false), overshoot_deg (3).
+// The keys that all serial tables have: port or usb_serial (one of the two), baud, speed_deg_s
+// (20), acceleration_deg_s2 (100, of the plan), limits_deg ([min, max]), reversed (false),
+// overshoot_deg (3).
 struct SerialKeys {
   SerialTurntableOptions options;
   TableKinematics kinematics;

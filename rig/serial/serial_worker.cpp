@@ -135,7 +135,8 @@ void SerialTurntable::Worker::Wait() {
   pollfd files[2] = {{wake_, POLLIN, 0}, {-1, 0, 0}};
   int timeout = static_cast<int>(milliseconds(kReconnectEvery).count());
   if (link_) {
-    files[1] = {link_->handle(), static_cast<short>(output_.empty() ? POLLIN : POLLIN | POLLOUT), 0};
+    files[1] = {link_->handle(), static_cast<short>(output_.empty() ? POLLIN : POLLIN | POLLOUT),
+                0};
     timeout = PollTimeout(protocol_->Until());
   }
   poll(files, link_ ? 2 : 1, timeout);
@@ -155,6 +156,7 @@ void SerialTurntable::Worker::TakeIn() {
 
 void SerialTurntable::Worker::OnEvents() {
   for (const StageEvent& event : protocol_->TakeEvents()) {
+    if (!link_) return;  // lost by the event before
     if (const auto* identified = std::get_if<StageIdentified>(&event)) OnIdentified(*identified);
     if (const auto* report = std::get_if<StageReport>(&event)) OnReport(*report);
     if (const auto* failed = std::get_if<StageFailed>(&event))
@@ -193,6 +195,7 @@ void SerialTurntable::Worker::OnReport(const StageReport& report) {
     return;
   }
   if (report.motion != TableMotion::kMoving) legs_left_.clear();
+  lost_why_.clear();
   const std::lock_guard lock(mutex_);
   if (homing_ && report.motion == TableMotion::kIdle) {
     must_home_.clear();
@@ -210,7 +213,12 @@ void SerialTurntable::Worker::OnReport(const StageReport& report) {
 void SerialTurntable::Worker::Lose(std::string why, bool for_good) {
   legs_left_.clear();
   const std::lock_guard lock(mutex_);
-  if (link_) why = port_in_use_.substr(0, port_in_use_.find(' ')) + ": " + why;
+  if (link_) {
+    why = port_in_use_.substr(0, port_in_use_.find(' ')) + ": " + why;
+    lost_why_ = why;
+  } else if (!lost_why_.empty()) {
+    why = lost_why_ + "; it is not back yet: " + why;
+  }
   link_.reset();
   state_ = for_good ? Link::kRefused : Link::kLost;
   error_ = std::move(why);

@@ -72,6 +72,7 @@ class SerialTurntable::Worker {
   Clock::time_point passed_{};        // until when the protocol knows of time
   std::vector<double> legs_left_;
   bool homing_ = false;
+  std::string lost_why_;  // the first reason since it was last there
 
   int wake_ = -1;
   mutable std::mutex mutex_;

@@ -1,5 +1,5 @@
-// Where to send a stage of limited travel for an angle that lies beyond it: a turntable stands alike
-// at an angle and a whole turn away from it.
+// Where to send a stage of limited travel for an angle that lies beyond it: a turntable stands
+// alike at an angle and a whole turn away from it.
 #pragma once
 
 #include <optional>
@@ -19,10 +19,10 @@ struct WoundMove {
 };
 
 // With the turns kept if the travel allows; else with those that bring the position furthest back
-// against the direction of motion, so that the most turning is left ahead. A stage that unwinds comes
-// from the other side: it goes past the target by overshoot_deg first (less at the end of its travel),
-// so that it arrives the way it went before. No travel: turns without an end. Nothing: no whole turn
-// brings the angle within the travel.
+// against the direction of motion, so that the most turning is left ahead. A stage that unwinds
+// comes from the other side: it goes past the target by overshoot_deg first (less at the end of its
+// travel), so that it arrives the way it went before. No travel: turns without an end. Nothing: no
+// whole turn brings the angle within the travel.
 std::optional<WoundMove> PlanWoundMove(double angle_deg, double from_angle_deg, int turns,
                                        const std::optional<Travel>& travel, double overshoot_deg);
 

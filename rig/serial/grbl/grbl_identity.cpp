@@ -18,19 +18,21 @@ GrblOptions ReadGrblOptions(StrictObject& keys) {
   GrblOptions options;
   const auto axis = keys.OptionalChoice("axis", {"X", "Y", "Z", "A", "B", "C"});
   if (axis) options.axis = axis->front();
-  if (keys.OptionalChoice("home", {"switch", "here"}) == "here") options.home = Homing::kHere;
+  if (const auto home = keys.OptionalChoice("home", {"switch", "here"}))
+    options.home = *home == "here" ? Homing::kHere : Homing::kSwitch;
   const bool lamp = keys.OptionalChoice("lamp", {"on", "off"}) == "on";
   const auto power = keys.OptionalNumber("lamp_power", {.max = 1.0, .above = 0.0});
   if (lamp) options.lamp_power = power.value_or(1.0);
   return options;
 }
 
-// An empty line is answered by ok whatever came before it. A controller that says nothing at all may
-// be held by a critical alarm, which only a reset ends.
+// An empty line is answered by ok whatever came before it. A controller that says nothing at all
+// may be held by a critical alarm, which only a reset ends.
 void GrblProtocol::Resync() {
   phase_ = Phase::kResync;
   if (++attempts_ > kAttempts)
-    return Fail("no answer: is a GRBL controller connected here, and is its baud rate right?", false);
+    return Fail("no answer: is a GRBL controller connected here, and is its baud rate right?",
+                false);
   if (attempts_ == kAttempts) {
     unhomed_ = "it was reset, as it did not answer: home it";
     output_ += '\x18';
@@ -58,15 +60,17 @@ std::optional<std::string> GrblProtocol::Objection() const {
   for (const auto& [number, max] : {std::pair{100, 1e5}, {110, 6e6}, {120, 1e8}})
     if (!positive(number, max)) {
       const auto found = settings_.find(number + axis);
-      return Format("$%d=%s, allowed is a number above 0 and at most %g: axis %c is not set up, or the "
-                    "settings are damaged ($RST=$ restores the defaults)",
-                    number + axis, found == settings_.end() ? "(missing)" : found->second.c_str(), max,
-                    options_.axis);
+      return Format(
+          "$%d=%s, allowed is a number above 0 and at most %g: axis %c is not set up, or the "
+          "settings are damaged ($RST=$ restores the defaults)",
+          number + axis, found == settings_.end() ? "(missing)" : found->second.c_str(), max,
+          options_.axis);
     }
   if (setting(13).value_or(0.0) != 0.0)
     return "$13=1: it reports inches, allowed is $13=0 (send $13=0)";
   if (options_.home == Homing::kSwitch && setting(22).value_or(0.0) == 0.0)
-    return "$22=0: homing is off. Allowed is $22=1 with a home switch, or in the config home: here, "
+    return "$22=0: homing is off. Allowed is $22=1 with a home switch, or in the config home: "
+           "here, "
            "which takes where the table stands for 0 degrees";
   if (refused_startup_)
     return *refused_startup_ + ": a start-up line that moves, allowed is none (send " +
@@ -74,6 +78,11 @@ std::optional<std::string> GrblProtocol::Objection() const {
   if (options_.lamp_power && setting(32).value_or(0.0) != 0.0)
     return "$32=1: in laser mode the output is off at rest, allowed with lamp: on is $32=0";
   return std::nullopt;
+}
+
+Homing GrblProtocol::HowHomed() const {
+  const bool has_switch = SettingNumber(settings_, 22).value_or(0.0) != 0.0;
+  return options_.home.value_or(has_switch ? Homing::kSwitch : Homing::kHere);
 }
 
 StageTraits GrblProtocol::Traits() const {
@@ -100,13 +109,16 @@ void GrblProtocol::Identified(const StatusReport& status) {
   if (auto objection = Objection()) return Fail(std::move(*objection), true);
   identified_ = true;
   phase_ = Phase::kReady;
-  if (options_.home == Homing::kHere) unhomed_ = "its zero is not set yet: home it";
+  if (HowHomed() == Homing::kHere) unhomed_ = "its zero is not set yet: home it";
   const std::string firmware = banner_.firmware.empty() ? "Grbl" : banner_.firmware;
-  events_.push_back(StageIdentified{
-      {firmware, firmware + " " + version_.version, version_.name}, Traits()});
+  events_.push_back(
+      StageIdentified{{firmware, firmware + " " + version_.version, version_.name}, Traits()});
   if (SettingNumber(settings_, 1).value_or(255.0) != 255.0)
     Note("$1=" + settings_[1] +
-         ": the motor is released when it stands, and may lose microsteps; $1=255 keeps it energised");
+         ": the motor is released when it stands, and may lose microsteps; $1=255 keeps it "
+         "energised");
+  if (!options_.home && HowHomed() == Homing::kHere)
+    Note("$22=0: it has no home switch; homing takes where the table stands for 0 degrees");
   if (options_.speed_deg_s > *Traits().max_speed_deg_s * (1.0 + 1e-9))
     Note(Format("speed_deg_s %g is more than the controller allows: it moves at %g ($%d)",
                 options_.speed_deg_s, *Traits().max_speed_deg_s, 110 + AxisIndex()));
@@ -120,8 +132,7 @@ void GrblProtocol::AwaitStill(Sent step) {
 }
 
 void GrblProtocol::OnNoIdentity() {
-  if (strange_.empty())
-    return Fail("the controller does not answer to its identification", false);
+  if (strange_.empty()) return Fail("the controller does not answer to its identification", false);
   Fail("it answers, but is no GRBL 1.1 or grblHAL: it said \"" + strange_.front() + "\"", true);
 }
 
@@ -174,9 +185,10 @@ void GrblProtocol::OnError(int code) {
       return Identify(Sent::kInfo);
     case Sent::kInfo:
     case Sent::kSettings:
-      return Fail("it refuses to say who it is: " + ErrorWords(code) +
-                      (code == 8 ? ": it was moving; try again" : ", allowed is GRBL 1.1 or grblHAL"),
-                  code != 8);
+      return Fail(
+          "it refuses to say who it is: " + ErrorWords(code) +
+              (code == 8 ? ": it was moving; try again" : ", allowed is GRBL 1.1 or grblHAL"),
+          code != 8);
     case Sent::kStartup:
       return Identify(Sent::kOffsets);
     case Sent::kOffsets:

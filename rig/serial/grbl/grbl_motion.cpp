@@ -18,7 +18,9 @@ constexpr DeviceTime kHoldPatience = std::chrono::milliseconds(3000);
 constexpr DeviceTime kQuietAfterLate = std::chrono::milliseconds(700);
 constexpr int kStillReports = 4;  // about 0.8 s at rest: whatever was asked for is over
 
-bool Moves(State state) { return state == State::kRun || state == State::kJog || state == State::kHome; }
+bool Moves(State state) {
+  return state == State::kRun || state == State::kJog || state == State::kHome;
+}
 bool BlockedByAlarm(int alarm) { return alarm == 1 || alarm == 2; }
 
 }  // namespace
@@ -28,7 +30,7 @@ void GrblProtocol::Home() {
   task_ = Task::kHoming;
   fault_.clear();
   pending_move_.reset();
-  if (options_.home == Homing::kHere && here_taken_)
+  if (HowHomed() == Homing::kHere && here_taken_)
     return EndTask(
         "the position is lost, and without a switch only a person can find it: turn the table to "
         "its mark and begin again");
@@ -45,9 +47,10 @@ void GrblProtocol::Home() {
 
 void GrblProtocol::BeginHoming() {
   task_ = Task::kHoming;
-  if (options_.home == Homing::kHere) return Send(Sent::kUnlock, "$X", kUnlockPatience);
+  if (HowHomed() == Homing::kHere) return Send(Sent::kUnlock, "$X", kUnlockPatience);
   // H among the build's options: an axis may be homed by itself.
-  const bool single = options_text_.substr(0, options_text_.find(',')).find('H') != std::string::npos;
+  const bool single =
+      options_text_.substr(0, options_text_.find(',')).find('H') != std::string::npos;
   Send(Sent::kHome, single ? std::string("$H") + options_.axis : "$H", std::chrono::hours(1));
   next_query_ = now_ + kQueryInMotion;
 }
@@ -116,7 +119,8 @@ void GrblProtocol::OnAlarm(int code) {
   if (task_ == Task::kHoming) reset_expected_ = true;
   EndTask(words);
   // Some alarms let no report through: the state is told now.
-  events_.push_back(StageReport{code == 2 ? TableMotion::kFault : TableMotion::kUnhomed, 0.0, words, {}});
+  events_.push_back(
+      StageReport{code == 2 ? TableMotion::kFault : TableMotion::kUnhomed, 0.0, words, {}});
   ForgetQueries();
   next_query_ = now_ + kQueryInMotion;
 }
@@ -126,7 +130,8 @@ void GrblProtocol::EndTask(const std::string& fault) {
   task_ = Task::kNone;
   if (sent_ == Sent::kMove || sent_ == Sent::kDwell || sent_ == Sent::kHome) sent_ = Sent::kNothing;
   fault_ = fault;
-  if (!query_sent_) next_query_ = std::min(next_query_.value_or(now_ + kQueryEvery), now_ + kQueryEvery);
+  if (!query_sent_)
+    next_query_ = std::min(next_query_.value_or(now_ + kQueryEvery), now_ + kQueryEvery);
 }
 
 std::optional<double> GrblProtocol::Position(const StatusReport& status) const {
@@ -186,8 +191,9 @@ void GrblProtocol::WatchMove(const StatusReport& status, double position) {
     if (unhomed_.empty()) unhomed_ = "it is locked by an alarm";
     return EndTask(unhomed_);
   }
-  if (status.state == State::kHold || status.state == State::kDoor || status.state == State::kSleep ||
-      status.state == State::kCheck || status.state == State::kTool)
+  if (status.state == State::kHold || status.state == State::kDoor ||
+      status.state == State::kSleep || status.state == State::kCheck ||
+      status.state == State::kTool)
     return EndTask("the controller stopped the move: it reports " + status.state_word);
   if (Moves(status.state)) {
     still_ = 0;
@@ -200,7 +206,8 @@ void GrblProtocol::WatchMove(const StatusReport& status, double position) {
   ++still_;
   const bool there = AtTarget(position);
   if (there && (sent_ == Sent::kNothing || still_ >= kStillReports)) {
-    if (sent_ == Sent::kDwell || ok_missing_) Note("an ok was missing; the reports say that it arrived");
+    if (sent_ == Sent::kDwell || ok_missing_)
+      Note("an ok was missing; the reports say that it arrived");
     sent_ = Sent::kNothing;
     line_deadline_.reset();
     return EndTask("");
@@ -210,7 +217,8 @@ void GrblProtocol::WatchMove(const StatusReport& status, double position) {
     return;
   }
   if (!resent_) return Resend();
-  EndTask(Format("it stands at %.3f deg and does not go to %.3f", position - zero_deg_, target_deg_));
+  EndTask(
+      Format("it stands at %.3f deg and does not go to %.3f", position - zero_deg_, target_deg_));
 }
 
 void GrblProtocol::WatchHoming(const StatusReport& status, double position) {
@@ -220,7 +228,7 @@ void GrblProtocol::WatchHoming(const StatusReport& status, double position) {
     return EndTask(unhomed_);
   }
   if (status.state != State::kIdle) return;
-  if (options_.home == Homing::kHere) {
+  if (HowHomed() == Homing::kHere) {
     zero_deg_ = position;
     here_taken_ = true;
     Note("where the table stands is taken for 0 degrees");

@@ -45,7 +45,8 @@ void GrblProtocol::Receive(std::string_view bytes) {
 void GrblProtocol::Continue() {
   if (phase_ != Phase::kReady || sent_ != Sent::kNothing || task_ == Task::kHalting) return;
   if (std::exchange(pending_home_, false)) return BeginHoming();
-  if (pending_move_ && task_ != Task::kHoming) BeginMove(*std::exchange(pending_move_, std::nullopt));
+  if (pending_move_ && task_ != Task::kHoming)
+    BeginMove(*std::exchange(pending_move_, std::nullopt));
 }
 
 void GrblProtocol::OnBad(std::size_t count) {
@@ -208,7 +209,8 @@ void GrblProtocol::OnBanner(const Banner& banner) {
   if (expected) return AfterReset();
   sent_ = Sent::kNothing;
   line_deadline_.reset();
-  unhomed_ = "the controller restarted by itself: \"" + banner.firmware + " " + banner.version + "\"";
+  unhomed_ =
+      "the controller restarted by itself: \"" + banner.firmware + " " + banner.version + "\"";
   alarm_ = -1;
   pending_move_.reset();
   pending_home_ = false;

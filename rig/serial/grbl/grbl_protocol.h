@@ -3,9 +3,9 @@
 //
 // What the firmware leaves open is closed here:
 // - An `ok` says that a line was taken, not that the stage arrived. A move is `G1 X.. F..`, then
-//   `G4 P0.01`, whose `ok` waits for the motion's end, then `?`: arrived is what reports Idle at the
-//   target to within a step. The oks only set the pace: whichever get lost, come twice or late, the
-//   report decides.
+//   `G4 P0.01`, whose `ok` waits for the motion's end, then `?`: arrived is what reports Idle at
+//   the target to within a step. The oks only set the pace: whichever get lost, come twice or late,
+//   the report decides.
 // - `?` is asked 5 times a second at most while standing, less often in motion.
 // - GRBL has no feedback: it cannot see a stalled motor.
 // - A restart in motion, an alarm, a banner that nobody asked for: position unknown.
@@ -29,14 +29,15 @@ enum class Homing {
 };
 
 struct GrblOptions {
-  char axis = 'X';              // X, Y, Z, A, B or C: the one that counts degrees
-  double speed_deg_s = 20.0;    // above 0, at most 1e4; the controller's own limit is below or above
-  Homing home = Homing::kSwitch;
+  char axis = 'X';             // X, Y, Z, A, B or C: the one that counts degrees
+  double speed_deg_s = 20.0;   // above 0, at most 1e4; the controller's own limit is below or above
+  std::optional<Homing> home;  // none: by the switch if $22 is 1, else here
   // The spindle's or laser's output as a lamp, at this share of its full power: above 0, at most 1.
   std::optional<double> lamp_power;
 };
 
-// Reads axis (X), home (switch, here), lamp (on, off) and lamp_power (1). The speed is the caller's.
+// Reads axis (X), home (switch, here; else by $22), lamp (on, off) and lamp_power (1). The speed is
+// the caller's.
 GrblOptions ReadGrblOptions(StrictObject& keys);
 
 class GrblProtocol : public StageProtocol {
@@ -60,8 +61,19 @@ class GrblProtocol : public StageProtocol {
   enum class Phase { kOff, kBanner, kResync, kIdentify, kReady };
   enum class Task { kNone, kHoming, kMoving, kHalting };
   // The line whose ok is awaited.
-  enum class Sent { kNothing, kResync, kInfo, kSettings, kStartup, kOffsets, kLamp, kUnlock, kHome,
-                    kMove, kDwell };
+  enum class Sent {
+    kNothing,
+    kResync,
+    kInfo,
+    kSettings,
+    kStartup,
+    kOffsets,
+    kLamp,
+    kUnlock,
+    kHome,
+    kMove,
+    kDwell
+  };
 
   void OnLine(const std::string& line);
   void OnOk();
@@ -84,6 +96,7 @@ class GrblProtocol : public StageProtocol {
   void OnNoIdentity();
   void Identified(const StatusReport& status);
   std::optional<std::string> Objection() const;
+  Homing HowHomed() const;
   StageTraits Traits() const;
   void SoftReset(bool position_kept);
   void AfterReset();
@@ -113,12 +126,12 @@ class GrblProtocol : public StageProtocol {
   DeviceTime now_{};  // the sum of all Pass
 
   Phase phase_ = Phase::kOff;
-  int attempts_ = 0;  // of the resynchronisation
+  int attempts_ = 0;           // of the resynchronisation
   std::size_t bad_lines_ = 0;  // in a row
   Sent sent_ = Sent::kNothing;
-  std::optional<DeviceTime> line_deadline_;   // of the line's answer, or of a banner
-  std::optional<DeviceTime> query_sent_;      // of the last `?`, until it is answered
-  DeviceTime asked_at_{};                     // of the first `?` without an answer
+  std::optional<DeviceTime> line_deadline_;  // of the line's answer, or of a banner
+  std::optional<DeviceTime> query_sent_;     // of the last `?`, until it is answered
+  DeviceTime asked_at_{};                    // of the first `?` without an answer
   bool query_again_ = false;
   std::optional<DeviceTime> next_query_;
   int missed_ = 0;  // queries in a row
@@ -139,14 +152,14 @@ class GrblProtocol : public StageProtocol {
   Task task_ = Task::kNone;
   double target_deg_ = 0.0;
   bool resent_ = false;
-  int still_ = 0;            // reports in a row of a table that stands, in a move
+  int still_ = 0;  // reports in a row of a table that stands, in a move
   bool ok_missing_ = false;
   std::optional<double> pending_move_;  // until the line before it is answered
   bool pending_home_ = false;
-  double zero_deg_ = 0.0;    // of Homing::kHere
+  double zero_deg_ = 0.0;  // of Homing::kHere
   bool here_taken_ = false;
   State state_ = State::kIdle;
-  int alarm_ = -1;           // the last, until a reset or a homing; -1: none
+  int alarm_ = -1;  // the last, until a reset or a homing; -1: none
   std::string unhomed_, fault_;
 };
 

@@ -15,16 +15,16 @@ enum class State { kIdle, kRun, kHold, kJog, kAlarm, kDoor, kCheck, kHome, kSlee
 // "<Idle|MPos:1.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>"; other fields are passed over.
 struct StatusReport {
   State state = State::kIdle;
-  std::string state_word;      // with the sub-state: "Hold:0"
+  std::string state_word;  // with the sub-state: "Hold:0"
   std::optional<int> substate;
-  std::vector<double> position;                   // of the axes, in their units
-  bool machine = true;                            // false: WPos, less the work offset
-  std::optional<std::vector<double>> work_offset; // WCO
+  std::vector<double> position;                    // of the axes, in their units
+  bool machine = true;                             // false: WPos, less the work offset
+  std::optional<std::vector<double>> work_offset;  // WCO
 };
 std::optional<StatusReport> ParseStatus(std::string_view line);
 
-// "Grbl 1.1h ['$' for help]", "GrblHAL 1.1f ['$' or '$HELP' for help]": the firmware with its version,
-// whatever it is.
+// "Grbl 1.1h ['$' for help]", "GrblHAL 1.1f ['$' or '$HELP' for help]": the firmware with its
+// version, whatever it is.
 struct Banner {
   std::string firmware;  // "Grbl", "GrblHAL"
   std::string version;   // "1.1h"
@@ -59,7 +59,8 @@ bool MovesAnAxis(std::string_view block);
 // "[G54:1.000,0.000,0.000]": the offsets of a coordinate system; also of G92. Others are none.
 std::optional<std::vector<double>> ParseOffset(std::string_view line);
 
-// "error:9" and "ALARM:1" (older: "ALARM: Hard limit"); the number, or 0 where words stand in its place.
+// "error:9" and "ALARM:1" (older: "ALARM: Hard limit"); the number, or 0 where words stand in its
+// place.
 std::optional<int> ParseError(std::string_view line);
 std::optional<int> ParseAlarm(std::string_view line);
 // The code with the vendor's meaning: "error:9 (locked out during alarm or jog)".

@@ -28,7 +28,9 @@ void ExpectRefused(const std::string& settings, const std::string& why, GrblOpti
 
 TEST(GrblIdentity, RefusesSettingsThatWouldMislead) {
   ExpectRefused(With(kSettings, "$13=0", "$13=1"), "$13=1: it reports inches");
-  ExpectRefused(With(kSettings, "$22=1", "$22=0"), "$22=0: homing is off");
+  GrblOptions by_switch;
+  by_switch.home = Homing::kSwitch;
+  ExpectRefused(With(kSettings, "$22=1", "$22=0"), "$22=0: homing is off", by_switch);
   ExpectRefused(With(kSettings, "$100=88.889", "$100=0.000"), "$100=0.000, allowed is");
   ExpectRefused(With(kSettings, "$110=3600.000", "$110=nan"), "$110=nan, allowed is");
   ExpectRefused(With(kSettings, "$120=500.000", "$120=2147483648.000"), "$120=2147483648.000");
@@ -90,7 +92,8 @@ TEST(GrblIdentity, IsReadFromGrblHalWithItsManySettings) {
   talk.Says(settings);
   talk.Says(kStartup);
   talk.Says(kOffsets);
-  talk.Says("<Idle|MPos:0.000,0.000,0.000,12.500|Bf:35,1023|FS:0,0|Pn:|WCO:0.000,0.000,0.000,0.000>\r\n");
+  talk.Says(
+      "<Idle|MPos:0.000,0.000,0.000,12.500|Bf:35,1023|FS:0,0|Pn:|WCO:0.000,0.000,0.000,0.000>\r\n");
   ASSERT_TRUE(talk.identified) << (talk.failed ? talk.failed->text : "");
   EXPECT_EQ(talk.identified->identity.vendor, "GrblHAL");
   EXPECT_EQ(talk.identified->identity.serial, "TABLE 7");
@@ -136,11 +139,8 @@ TEST(GrblIdentity, SilenceIsNamed) {
 }
 
 TEST(GrblIdentity, WithoutASwitchTheFirstHomingTakesWhereItStandsAndNoOther) {
-  GrblOptions options;
-  options.home = Homing::kHere;
-  Talk talk(options);
-  talk.Identifies(With(kSettings, "$22=1", "$22=0"),
-                  "<Idle|MPos:7.000,0.000,0.000|FS:0,0>\r\n");
+  Talk talk;
+  talk.Identifies(With(kSettings, "$22=1", "$22=0"), "<Idle|MPos:7.000,0.000,0.000|FS:0,0>\r\n");
   EXPECT_EQ(talk.LastReport()->motion, TableMotion::kUnhomed);
   talk.protocol.Home();
   EXPECT_EQ(talk.Heard(), "$X\n");

@@ -1,7 +1,8 @@
 // Proves: the conversation of a move, a homing and a halt with GRBL 1.1 and grblHAL as their
-// documents have it, wherever the bytes are cut; oks that are lost, doubled or late, reports that are
-// swallowed or damaged, alarms and restarts never make an arrival. Transcripts are written by hand
-// from the firmware's documents. Does not prove: anything of a port (serial_turntable_test.cpp).
+// documents have it, wherever the bytes are cut; oks that are lost, doubled or late, reports that
+// are swallowed or damaged, alarms and restarts never make an arrival. Transcripts are written by
+// hand from the firmware's documents. Does not prove: anything of a port
+// (serial_turntable_test.cpp).
 #include "rig/serial/grbl/grbl_protocol.h"
 
 #include <gmock/gmock.h>
@@ -373,7 +374,7 @@ TEST(GrblProtocol, AMoveBehindTheLampsLineWaits) {
   talk.protocol.MoveTo(10.0);
   EXPECT_EQ(talk.Heard(), "");
   EXPECT_EQ(talk.LastReport()->motion, TableMotion::kIdle);  // of before
-  talk.Says("ok\r\n");                                        // the lamp is on
+  talk.Says("ok\r\n");                                       // the lamp is on
   EXPECT_THAT(talk.Heard(), HasSubstr("X10.000"));
   talk.protocol.Leave();
   EXPECT_EQ(talk.Heard(), "M5\n");

@@ -53,7 +53,8 @@ class Talk {
   }
 
   // From the banner to the first report.
-  void Identifies(const std::string& settings = kSettings, const std::string& status =
+  void Identifies(const std::string& settings = kSettings,
+                  const std::string& status =
                       "<Idle|MPos:0.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n") {
     Passes(2600);
     Says("ok\r\n");
