@@ -2,8 +2,8 @@
 // simulated controller. Linked into a program; there it stands before the C library's functions of
 // these names.
 //
-// The library looks a port up in /sys/class/tty, where no pseudo-terminal is, and reads and sets the
-// modem's lines, which none has. Both are answered here for pseudo-terminals; all else passes.
+// The library looks a port up in /sys/class/tty, where no pseudo-terminal is, and reads and sets
+// the modem's lines, which none has. Both are answered here for pseudo-terminals; all else passes.
 #include <dlfcn.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -57,8 +57,8 @@ int ioctl(int file, unsigned long request, ...) noexcept {
   va_start(arguments, request);
   void* const argument = va_arg(arguments, void*);
   va_end(arguments);
-  const bool modem = request == TIOCMGET || request == TIOCMSET || request == TIOCMBIS ||
-                     request == TIOCMBIC;
+  const bool modem =
+      request == TIOCMGET || request == TIOCMSET || request == TIOCMBIS || request == TIOCMBIC;
   if (!modem || !IsPty(file)) return next(file, request, argument);
   if (request == TIOCMGET) *static_cast<int*>(argument) = TIOCM_DTR | TIOCM_RTS | TIOCM_CAR;
   return 0;

@@ -1,8 +1,8 @@
 // Proves: a table on a real port, through the real libserialport (serial_port_test) and through
-// termios (serial_test): it opens, homes, moves and says so; repeated readings keep their time; a lost
-// port is an error within a second and is found again under another path only after a homing; a second
-// program is refused with the holder's name; every call returns at once. Does not prove: anything of a
-// firmware's motion (the protocols' tests, and the captures in the loop).
+// termios (serial_test): it opens, homes, moves and says so; repeated readings keep their time; a
+// lost port is an error within a second and is found again under another path only after a homing;
+// a second program is refused with the holder's name; every call returns at once. Does not prove:
+// anything of a firmware's motion (the protocols' tests, and the captures in the loop).
 #include "rig/serial/serial_turntable.h"
 
 #include <gmock/gmock.h>
@@ -164,7 +164,8 @@ TEST_F(SerialTurntableTest, AnotherControllerInItsPlaceIsRefused) {
         return !state && state.error().text.find("another controller") != std::string::npos;
       },
       10000));
-  EXPECT_THAT(table->Open(Now()).error().text, HasSubstr("YOURS, allowed is Grbl 1.1h.20190825 MINE"));
+  EXPECT_THAT(table->Open(Now()).error().text,
+              HasSubstr("YOURS, allowed is Grbl 1.1h.20190825 MINE"));
 }
 
 TEST_F(SerialTurntableTest, AControllerThatHangsIsAnError) {

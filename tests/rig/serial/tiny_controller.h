@@ -1,5 +1,5 @@
-// A controller of twenty lines on a pseudo-terminal, for tests of ports and threads: it speaks enough
-// GRBL to be homed and moved, and jumps instead of moving.
+// A controller of twenty lines on a pseudo-terminal, for tests of ports and threads: it speaks
+// enough GRBL to be homed and moved, and jumps instead of moving.
 #pragma once
 
 #include <atomic>

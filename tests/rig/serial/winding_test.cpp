@@ -1,5 +1,5 @@
-// Proves: a stage of limited travel is sent to a place that is the same angle, by a way that arrives
-// from the right side, or to none.
+// Proves: a stage of limited travel is sent to a place that is the same angle, by a way that
+// arrives from the right side, or to none.
 #include "rig/serial/winding.h"
 
 #include <gmock/gmock.h>

@@ -29,8 +29,8 @@ TableMotion MotionOf(Talk& talk) {
 // Everything, in pieces of every length.
 class GrblConversation : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(GrblConversation, HomesMovesAndArrives) {
-  Talk talk({}, GetParam());
+// From power-up to the first report.
+void ExpectIdentified(Talk& talk) {
   EXPECT_EQ(talk.Heard(), "");
   talk.Passes(500);
   talk.Says(kBannerText);
@@ -53,7 +53,11 @@ TEST_P(GrblConversation, HomesMovesAndArrives) {
   EXPECT_NEAR(talk.identified->traits.resolution_deg, 0.01125, 1e-5);
   EXPECT_FALSE(talk.identified->traits.min_deg);
   EXPECT_EQ(MotionOf(talk), TableMotion::kUnhomed);
+}
 
+TEST_P(GrblConversation, HomesMovesAndArrives) {
+  Talk talk({}, GetParam());
+  ExpectIdentified(talk);
   talk.protocol.Home();
   EXPECT_EQ(talk.Heard(), "$H\n");
   talk.Passes(5000);
