@@ -1,10 +1,13 @@
 #include "app/drivers.h"
 
+#include "rig/serial/serial_drivers.h"
+
 namespace turnlight::app {
 
 const Drivers& BuiltInDrivers() {
   static const Drivers kDrivers{
-      .tables = {{"mock", SimulatedDriver<rig::TableDevice>(rig::sim::MakeMockTable)}},
+      .tables = {{"mock", SimulatedDriver<rig::TableDevice>(rig::sim::MakeMockTable)},
+                 {"grbl", RealDriver<rig::TableDevice>(rig::serial::MakeGrblTable)}},
       .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::sim::MakeMockCamera)}}};
   return kDrivers;
 }

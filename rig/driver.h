@@ -16,6 +16,7 @@ namespace turnlight::rig {
 struct TableDevice {
   std::shared_ptr<Turntable> turntable;
   TableKinematics kinematics;
+  bool real_time = false;  // it moves while the clock on the wall goes on: no virtual executor
 };
 
 struct CameraDevice {
@@ -26,6 +27,7 @@ struct CameraDevice {
   std::array<int, 2> roi_offset{0, 0};  // of the picture's first pixel on the sensor, unbinned
   std::array<int, 2> binning{1, 1};     // pixels of the sensor per picture's, across and down
   double readout_s = 0.05;              // from the end of an exposure to its picture, about
+  bool real_time = false;               // as of the table
 };
 
 }  // namespace turnlight::rig
