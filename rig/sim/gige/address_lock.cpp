@@ -46,13 +46,13 @@ Result<AddressLock> AddressLock::Take(const std::string& address) {
                      ::bind(lock.fd_, reinterpret_cast<const sockaddr*>(&name), size) != 0 ||
                      ::listen(lock.fd_, 8) != 0;
   if (taken)
-    return DeviceError(address + ":3956: taken" + Holder(name, size) +
-                       ", a simulated camera; allowed is an address with no camera on it");
+    return InputError(address + ":3956: taken" + Holder(name, size) +
+                      ", a simulated camera; allowed is an address with no camera on it");
   const auto free = IsFree(address);
   if (!free) return Forward(free);
   if (!*free)
-    return DeviceError(address +
-                       ":3956: taken by another camera, allowed is an address with none on it");
+    return InputError(address +
+                      ":3956: taken by another camera, allowed is an address with none on it");
   return lock;
 }
 
@@ -68,14 +68,13 @@ Result<bool> IsFree(const std::string& address) {
   at.sin_port = htons(kControlPort);
   ::inet_pton(AF_INET, address.c_str(), &at.sin_addr);
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const bool bound =
-      fd >= 0 && ::bind(fd, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0;
+  const bool bound = fd >= 0 && ::bind(fd, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0;
   const int error = errno;
   if (fd >= 0) ::close(fd);
   if (bound) return true;
   if (error == EADDRINUSE) return false;
-  return DeviceError(address + ":3956: " + std::strerror(error) +
-                     ", allowed is an address of this machine");
+  return InputError(address + ":3956: " + std::strerror(error) +
+                    ", allowed is an address of this machine");
 }
 
 }  // namespace turnlight::rig::sim::gige

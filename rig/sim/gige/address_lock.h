@@ -10,7 +10,7 @@ namespace turnlight::rig::sim::gige {
 
 class AddressLock {
  public:
-  // Fails (kDevice): it is no address of this machine, or it is taken; names the process if that is
+  // Fails (kInput): it is no address of this machine, or it is taken; names the process if that is
   // a simulator, too.
   static Result<AddressLock> Take(const std::string& address);
   ~AddressLock();
@@ -22,7 +22,7 @@ class AddressLock {
   int fd_;
 };
 
-// Whether nobody listens for control packets there. Fails (kDevice) if it is no address of this
+// Whether nobody listens for control packets there. Fails (kInput) if it is no address of this
 // machine.
 Result<bool> IsFree(const std::string& address);
 

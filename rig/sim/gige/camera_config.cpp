@@ -15,9 +15,8 @@ constexpr std::size_t kMaxSerial = 15;  // the register has 16 bytes
 
 bool IsSerial(const std::string& serial) {
   return !serial.empty() && serial.size() <= kMaxSerial &&
-         std::all_of(serial.begin(), serial.end(), [](unsigned char c) {
-           return std::isalnum(c) != 0 || c == '-' || c == '_';
-         });
+         std::all_of(serial.begin(), serial.end(),
+                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
 }
 
 bool IsAddress(const std::string& address) {
@@ -44,8 +43,7 @@ Result<CameraConfig> ReadCamera(StrictObject object, const SimulationConfig& sim
       object.OptionalNumber("packet_loss", {.min = 0.0, .max = 0.5}).value_or(config.packet_loss);
   if (const auto name = object.OptionalChoice("pixel_format", PixelFormatNames()))
     config.format = FindPixelFormat(*name);
-  if (!IsAddress(config.address))
-    object.Refuse("address", "an IPv4 address such as \"127.0.0.1\"");
+  if (!IsAddress(config.address)) object.Refuse("address", "an IPv4 address such as \"127.0.0.1\"");
   if (!IsSerial(config.camera.serial))
     object.Refuse("serial", "1 to 15 letters, digits, \"-\" and \"_\"");
   if (Status status = object.Finish(); !status) return Forward(status);

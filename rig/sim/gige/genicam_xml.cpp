@@ -35,16 +35,16 @@ std::string Tag(const std::string& tag, const std::string& text) {
 
 std::string Address(Register address, int bytes, const std::string& access) {
   return Tag("Address", Format("0x%X", static_cast<unsigned>(address))) +
-         Tag("Length", std::to_string(bytes)) + Tag("AccessMode", access) +
-         Tag("pPort", "Device") + Tag("Cachable", "NoCache");
+         Tag("Length", std::to_string(bytes)) + Tag("AccessMode", access) + Tag("pPort", "Device") +
+         Tag("Cachable", "NoCache");
 }
 
 // An unsigned number of 4 or 8 bytes.
 std::string IntReg(const std::string& name, Register address, const std::string& access = "RW",
                    int bytes = 4) {
-  return Node("IntReg", name,
-              Address(address, bytes, access) + Tag("Sign", "Unsigned") +
-                  Tag("Endianess", "BigEndian"));
+  return Node(
+      "IntReg", name,
+      Address(address, bytes, access) + Tag("Sign", "Unsigned") + Tag("Endianess", "BigEndian"));
 }
 
 std::string StringReg(const std::string& name, Register address, int bytes,
@@ -129,9 +129,9 @@ std::string ImageFormatControl() {
                 "<pVariable Name=\"A\">" + of + "</pVariable><pVariable Name=\"B\">" + less +
                     "</pVariable>" + Tag("Formula", "A-B"));
   };
-  return Category("ImageFormatControl", {"SensorWidth", "SensorHeight", "Width", "Height",
-                                         "OffsetX", "OffsetY", "BinningHorizontal",
-                                         "BinningVertical", "PixelFormat"}) +
+  return Category("ImageFormatControl",
+                  {"SensorWidth", "SensorHeight", "Width", "Height", "OffsetX", "OffsetY",
+                   "BinningHorizontal", "BinningVertical", "PixelFormat"}) +
          Integer("SensorWidth", Register::kSensorWidth, "", "RO") +
          Integer("SensorHeight", Register::kSensorHeight, "", "RO") +
          rest("WidthMax", "SensorWidthRegister", "OffsetXRegister") +

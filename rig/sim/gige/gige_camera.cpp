@@ -50,9 +50,11 @@ FakeDeviceConfig GigeCamera::AtPowerOn() const {
   const SyntheticConfig& scene = config_.camera.scene;
   const calib::Radiometry radiometry =
       RadiometryOf(studio_->radiometry, scene.sensor, *config_.format);
-  return {config_.address,      config_.camera.serial,
+  return {config_.address,
+          config_.camera.serial,
           {scene.camera.width, scene.camera.height},
-          config_.format,       static_cast<int>(radiometry.black),
+          config_.format,
+          static_cast<int>(radiometry.black),
           config_.packet_loss};
 }
 
@@ -161,7 +163,9 @@ void GigeCamera::HandOver(DeviceTime now) {
     if (next->end > now) return;
     const PixelFormat* format = FindPixelFormat(device_->Read(Register::kPixelFormat));
     const cv::Rect sensor(0, 0, studio_->rays.width(), studio_->rays.height());
-    const auto even = [&](Register address) { return static_cast<int>(device_->Read(address) & ~1u); };
+    const auto even = [&](Register address) {
+      return static_cast<int>(device_->Read(address) & ~1u);
+    };
     const cv::Rect region(even(Register::kOffsetX), even(Register::kOffsetY),
                           even(Register::kWidth), even(Register::kHeight));
     const std::lock_guard lock(mutex_);
@@ -175,7 +179,8 @@ void GigeCamera::Deliver(DeviceTime now) {
   const std::lock_guard lock(mutex_);
   if (pictures_.empty() || pictures_.front().shot.available > now) return;
   auto& [shot, frame] = pictures_.front();
-  frame.timestamp_ns = NanosecondsSince1970() - static_cast<std::uint64_t>((now - shot.begin).count());
+  frame.timestamp_ns =
+      NanosecondsSince1970() - static_cast<std::uint64_t>((now - shot.begin).count());
   if (!SameRegisters(shot.set, shot.actual)) {
     drifted_ = shot;
     WriteSettings(shot.actual);

@@ -48,7 +48,8 @@ class GigeCamera {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // The world must have its table, whoever moves it. Fails (kDevice): the address is taken.
+  // The world must have its table, whoever moves it. Fails (kInput): the address is taken, or none
+  // of this machine.
   static Result<std::unique_ptr<GigeCamera>> Start(const CameraConfig& config,
                                                    const SimulatedWorld& world,
                                                    Clock::time_point origin);
@@ -119,7 +120,7 @@ class GigeCamera {
   std::deque<Exposed> exposed_;
   std::deque<Picture> pictures_;
   std::optional<double> wanted_deg_;  // to be rendered ahead
-  std::uint64_t generation_ = 0;  // pictures of an earlier one are thrown away
+  std::uint64_t generation_ = 0;      // pictures of an earlier one are thrown away
   bool stopping_ = false;
   std::atomic<bool> stopped_{false};
   std::atomic<std::uint64_t> triggers_{0}, frames_{0};

@@ -17,7 +17,7 @@ enum class PixelLayout { kMono, kBayerRg, kRgb };
 struct PixelFormat {
   const char* name;    // of the SFNC
   std::uint32_t code;  // of the PFNC; GigE Vision's of Mono12Packed
-  int bits;            // of a value; those above 8 take two bytes, the lower one first, unless packed
+  int bits;  // of a value; those above 8 take two bytes, the lower one first, unless packed
   PixelLayout layout;
   bool packed;  // two values of 12 bits in three bytes
 };

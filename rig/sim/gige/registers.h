@@ -22,9 +22,9 @@ enum class Register : std::uint32_t {
   kAcquisitionMode = 0x12C,
   kOffsetX = 0x130,
   kOffsetY = 0x134,
-  kSendMode = 0x300,    // this and the next 1: by kSend
+  kSendMode = 0x300,  // this and the next 1: by kSend
   kSendSource = 0x304,
-  kSend = 0x30C,      // 1: the fake sends a frame and puts it back to 0
+  kSend = 0x30C,  // 1: the fake sends a frame and puts it back to 0
   // Ours.
   kTriggerMode = 0x8000,
   kTriggerSource = 0x8004,

@@ -19,7 +19,7 @@ TEST(AddressLock, IsTakenOnceAndNamesTheHolder) {
     ASSERT_TRUE(first) << first.error().text;
     const auto second = AddressLock::Take(OwnAddress());
     ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().kind, ErrorKind::kDevice);
+    EXPECT_EQ(second.error().kind, ErrorKind::kInput);
     EXPECT_THAT(second.error().text,
                 HasSubstr(OwnAddress() + ":3956: taken by process " + std::to_string(::getpid())));
     EXPECT_TRUE(AddressLock::Take(OwnAddress(1)));

@@ -108,8 +108,8 @@ void Client::Start(bool triggered, int packet_bytes) {
   stream_ = arv_camera_create_stream(camera_, nullptr, nullptr, Complaint());
   ASSERT_NE(stream_, nullptr);
   g_object_set(stream_, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
-               kSocketBytes, "packet-resend", ARV_GV_STREAM_PACKET_RESEND_NEVER,
-               "frame-retention", 20000u, nullptr);
+               kSocketBytes, "packet-resend", ARV_GV_STREAM_PACKET_RESEND_NEVER, "frame-retention",
+               20000u, nullptr);
   const guint payload = arv_camera_get_payload(camera_, Complaint());
   for (int i = 0; i < kBuffers; ++i)
     arv_stream_push_buffer(stream_, arv_buffer_new_allocate(payload));

@@ -113,8 +113,8 @@ TEST(GigeCamera, ExposureAndGainActAndReadBackAsTheyWereSet) {
   EXPECT_EQ(client.Float("Gain"), 0.0);
   client.Start();
   bench.Move(30.0);
-  for (const CameraSettings& settings : {CameraSettings{4000.0, 0.0}, CameraSettings{1234.0, 2.3},
-                                         CameraSettings{2000.0, 6.0}}) {
+  for (const CameraSettings& settings :
+       {CameraSettings{4000.0, 0.0}, CameraSettings{1234.0, 2.3}, CameraSettings{2000.0, 6.0}}) {
     client.Set("ExposureTime", settings.exposure_us);
     client.Set("Gain", settings.gain_db);
     EXPECT_EQ(client.Float("ExposureTime"), settings.exposure_us);
@@ -250,7 +250,7 @@ TEST(GigeCamera, ASecondOneAtTheAddressIsRefused) {
   const GigeBench bench;
   const auto second = GigeCamera::Start(bench.config, bench.world, bench.origin);
   ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().kind, ErrorKind::kDevice);
+  EXPECT_EQ(second.error().kind, ErrorKind::kInput);
   EXPECT_THAT(second.error().text, ::testing::HasSubstr(bench.config.address + ":3956"));
 }
 
@@ -276,9 +276,9 @@ TEST(GigeCamera, ItLeavesInTheMiddleOfAnExposure) {
   client.Trigger();
   bench.camera.reset();
   EXPECT_FALSE(client.Pop(50));
-  const auto next = GigeCamera::Start(bench.config, bench.world, bench.origin);
-  EXPECT_TRUE(next) << next.error().text;
-  client.Stop();
+  auto next = GigeCamera::Start(bench.config, bench.world, bench.origin);
+  ASSERT_TRUE(next) << next.error().text;
+  bench.camera = std::move(*next);
 }
 
 }  // namespace

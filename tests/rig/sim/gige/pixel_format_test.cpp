@@ -36,8 +36,7 @@ TEST(PixelFormat, AMosaicKeepsOneChannelOfEachPixel) {
   for (int i = 0; i < 8; ++i)
     picture(i) = cv::Vec3b(static_cast<std::uint8_t>(10 * i), static_cast<std::uint8_t>(10 * i + 1),
                            static_cast<std::uint8_t>(10 * i + 2));
-  EXPECT_EQ(Pack(picture, Named("BayerRG8"), {0, 0, 4, 2}),
-            (Bytes{0, 11, 20, 31, 41, 52, 61, 72}));
+  EXPECT_EQ(Pack(picture, Named("BayerRG8"), {0, 0, 4, 2}), (Bytes{0, 11, 20, 31, 41, 52, 61, 72}));
   EXPECT_EQ(Pack(picture, Named("BayerRG8"), {2, 0, 2, 2}), (Bytes{20, 31, 61, 72}));
   EXPECT_EQ(Pack(picture, Named("RGB8"), {2, 1, 2, 1}), (Bytes{60, 61, 62, 70, 71, 72}));
 }
@@ -57,8 +56,7 @@ TEST(PixelFormat, BlackAndSaturationAreTheSensorsShares) {
   sensor.depth = SensorDepth::k8;
   sensor.black = 10.0;
   sensor.saturation = 204.0;
-  const calib::Radiometry radiometry =
-      RadiometryOf(sensor.ToRadiometry(), sensor, Named("Mono12"));
+  const calib::Radiometry radiometry = RadiometryOf(sensor.ToRadiometry(), sensor, Named("Mono12"));
   EXPECT_EQ(radiometry.black, 161.0);  // 160.6
   EXPECT_NEAR(*radiometry.saturation, 0.8 * 4095, 1e-9);
   EXPECT_EQ(SensorOf(sensor, Named("Mono12")).depth, SensorDepth::k16);
