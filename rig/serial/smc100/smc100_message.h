@@ -38,7 +38,7 @@ enum class StateKind {
   kHoming,         // 1E, 1F
   kMoving,         // 28
   kReady,          // 32 to 35
-  kDisabled,       // 3C to 3E
+  kDisabled,       // 3C to 3F
   kOther,          // by hand, by tracking, or unknown: no state to photograph in
 };
 
