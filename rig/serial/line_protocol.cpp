@@ -65,11 +65,12 @@ void LineProtocol::BadLine(std::string_view line) {
   std::erase_if(bad_lines_, [&](DeviceTime time) { return now_ - time > kBadLineMemory; });
   bad_lines_.push_back(now_);
   if (bad_lines_.size() > kBadLinesAllowed)
-    Fail(Format("%zu lines within a minute make no sense%s%s: wrong baud rate, wrong protocol, or a "
-                "disturbed cable",
-                bad_lines_.size(), last_bad_line_.empty() ? "" : ", the last ",
-                last_bad_line_.c_str()),
-         false);
+    Fail(
+        Format("%zu lines within a minute make no sense%s%s: wrong baud rate, wrong protocol, or a "
+               "disturbed cable",
+               bad_lines_.size(), last_bad_line_.empty() ? "" : ", the last ",
+               last_bad_line_.c_str()),
+        false);
 }
 
 void LineProtocol::Note(std::string text) { events_.emplace_back(StageNote{std::move(text)}); }

@@ -1,5 +1,5 @@
-// What protocols that talk in lines have in common: bytes become lines, time is summed up, output and
-// events wait to be taken, and a link that gives nonsense is given up.
+// What protocols that talk in lines have in common: bytes become lines, time is summed up, output
+// and events wait to be taken, and a link that gives nonsense is given up.
 #pragma once
 
 #include <string>
@@ -35,8 +35,8 @@ class LineProtocol : public StageProtocol {
   void WakeIn(DeviceTime wait) { due_ = now_ + wait; }
 
   void Write(std::string_view bytes);
-  // A line that no controller of this kind sends. Five in a minute end the conversation: a wrong baud
-  // rate or a bad cable garbles lines without end, a disturbance only a few.
+  // A line that no controller of this kind sends. Five in a minute end the conversation: a wrong
+  // baud rate or a bad cable garbles lines without end, a disturbance only a few.
   void BadLine(std::string_view line);
   // The line that was bad last, shortened, in quotes; empty if none had text.
   const std::string& last_bad_line() const { return last_bad_line_; }

@@ -86,9 +86,9 @@ constexpr std::array kCommandErrors = {
 };
 
 // How the names of Newport's linear stages begin that these controllers drive.
-constexpr std::array<std::string_view, 15> kLinearStages = {
-    "TRA", "TRB", "LTA", "LTS", "MFA", "MFN", "ILS", "UTS",
-    "UTM", "GTS", "IMS", "MTN", "VP",  "XMS", "AG-LS"};
+constexpr std::array<std::string_view, 15> kLinearStages = {"TRA", "TRB", "LTA", "LTS", "MFA",
+                                                            "MFN", "ILS", "UTS", "UTM", "GTS",
+                                                            "IMS", "MTN", "VP",  "XMS", "AG-LS"};
 
 bool IsSpace(char byte) { return byte == ' '; }
 
@@ -179,7 +179,8 @@ std::string ErrorsInWords(unsigned errors) {
 }
 
 std::string CommandErrorInWords(char code) {
-  return std::string(1, code) + ", " + std::string(NameOf(kCommandErrors, code, "not in the manual"));
+  return std::string(1, code) + ", " +
+         std::string(NameOf(kCommandErrors, code, "not in the manual"));
 }
 
 bool IsLinearStage(std::string_view name) {

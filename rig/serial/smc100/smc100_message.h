@@ -1,5 +1,5 @@
-// The lines of Newport's single-axis controllers (SMC100CC, SMC100PP, CONEX-CC, CONEX-PP, CONEX-AGP)
-// as values, and their codes in words.
+// The lines of Newport's single-axis controllers (SMC100CC, SMC100PP, CONEX-CC, CONEX-PP,
+// CONEX-AGP) as values, and their codes in words.
 #pragma once
 
 #include <optional>

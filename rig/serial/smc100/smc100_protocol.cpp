@@ -152,9 +152,10 @@ void Smc100Protocol::HandleFact(const Reply& reply) {
     const auto state = ParseState(reply.value);
     if (!state) return BadLine(reply.value);
     if (KindOf(state->state) == StateKind::kConfiguration)
-      return Fail("the controller is in state CONFIGURATION, where it does not move: leave it "
-                  "with PW0",
-                  true);
+      return Fail(
+          "the controller is in state CONFIGURATION, where it does not move: leave it "
+          "with PW0",
+          true);
     state_ = state->state;
   } else if (fact == "ID?") {
     if (IsLinearStage(reply.value))
@@ -234,7 +235,8 @@ void Smc100Protocol::Set(Act act, const std::string& command) {
 // The next step towards a goal that has not been taken yet, from this state.
 void Smc100Protocol::Advance(unsigned state) {
   switch (KindOf(state)) {
-    case StateKind::kReady: return AdvanceReady();
+    case StateKind::kReady:
+      return AdvanceReady();
     case StateKind::kMoving:
     case StateKind::kHoming:
       if (goal_ == Goal::kHome && KindOf(state) == StateKind::kHoming) {
@@ -256,7 +258,8 @@ void Smc100Protocol::Advance(unsigned state) {
       // Ready in its own way: whether it moves from there TE will say.
       if (state >= kFirstOtherReady && state <= kLastOtherReady) return AdvanceReady();
       break;
-    case StateKind::kConfiguration: break;
+    case StateKind::kConfiguration:
+      break;
   }
   SetFault(TableMotion::kFault, "it cannot move in state " + StateInWords(state));
   Ask("TS");

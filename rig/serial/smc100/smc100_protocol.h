@@ -1,9 +1,9 @@
 // Newport's SMC100 and CONEX controllers as a pure machine.
 //
-// Replies carry neither number nor checksum, and what is set is not answered. So after everything that
-// is set TE is asked, which says whether it was taken; and bad news, and the good news that the stage
-// has arrived, count when two replies say the same: ready, then a position at the target, then ready
-// again, all asked for after the move was taken.
+// Replies carry neither number nor checksum, and what is set is not answered. So after everything
+// that is set TE is asked, which says whether it was taken; and bad news, and the good news that
+// the stage has arrived, count when two replies say the same: ready, then a position at the target,
+// then ready again, all asked for after the move was taken.
 #pragma once
 
 #include <optional>
@@ -83,9 +83,9 @@ class Smc100Protocol final : public LineProtocol {
   std::optional<Query> query_;
   std::optional<int> other_address_;  // that spoke on the chain
 
-  unsigned state_ = 0;                  // the last one
-  std::optional<unsigned> doubtful_;    // bad news that waits for its second reply
-  bool ready_before_ = false;           // TS said so last time
+  unsigned state_ = 0;                        // the last one
+  std::optional<unsigned> doubtful_;          // bad news that waits for its second reply
+  bool ready_before_ = false;                 // TS said so last time
   std::optional<DeviceTime> position_asked_;  // of a position since then
   double position_deg_ = 0.0;
   bool referenced_ = false;
@@ -97,7 +97,7 @@ class Smc100Protocol final : public LineProtocol {
   // The command under way.
   Act act_ = Act::kNone;
   std::string set_command_;  // last
-  char refusal_ = '\0';  // whose words are asked for
+  char refusal_ = '\0';      // whose words are asked for
   double target_deg_ = 0.0;
   bool taken_ = false, sent_again_ = false, was_going_ = false, to_zero_ = false;
   bool enabled_ = false, reset_ = false;

@@ -32,8 +32,7 @@ void Smc100Protocol::HandleState(const ControllerState& state, DeviceTime asked)
   if (errors != 0 && kind != StateKind::kUnreferenced) {
     // They may be told once only, so they count at once.
     in_doubt_ = true;
-    SetFault(TableMotion::kFault,
-             ErrorsInWords(errors) + ", state " + StateInWords(state.state));
+    SetFault(TableMotion::kFault, ErrorsInWords(errors) + ", state " + StateInWords(state.state));
     return ReportFault(asked);
   }
   if (kind == StateKind::kReady || kind == StateKind::kMoving || kind == StateKind::kHoming) {

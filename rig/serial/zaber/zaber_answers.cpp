@@ -60,9 +60,9 @@ void ZaberProtocol::HandleInfo(const Message& info) {
 void ZaberProtocol::HandleReply(const Message& reply) {
   if (!request_ || !Answers(reply)) {
     // The late answer to the command under way.
-    const bool late = reply.id && reply.axis == options_.axis &&
-                      std::find(command_ids_.begin(), command_ids_.end(), *reply.id) !=
-                          command_ids_.end();
+    const bool late =
+        reply.id && reply.axis == options_.axis &&
+        std::find(command_ids_.begin(), command_ids_.end(), *reply.id) != command_ids_.end();
     if (late && !taken_ && (goal_ == Goal::kHome || goal_ == Goal::kMove)) {
       taken_ = !reply.rejected;
       command_ids_.clear();
@@ -81,15 +81,22 @@ void ZaberProtocol::HandleReply(const Message& reply) {
 
 void ZaberProtocol::HandleAnswer(const Request& request, const Message& reply) {
   switch (request.ask) {
-    case Ask::kHello: return NextSetting();
-    case Ask::kSetting: return HandleSetting(reply);
-    case Ask::kStatus: return HandleStatus(request, reply);
-    case Ask::kPosition: return HandlePosition(request, reply);
-    case Ask::kWarnings: return HandleWarnings(reply);
-    case Ask::kClear: return HandleCleared();
+    case Ask::kHello:
+      return NextSetting();
+    case Ask::kSetting:
+      return HandleSetting(reply);
+    case Ask::kStatus:
+      return HandleStatus(request, reply);
+    case Ask::kPosition:
+      return HandlePosition(request, reply);
+    case Ask::kWarnings:
+      return HandleWarnings(reply);
+    case Ask::kClear:
+      return HandleCleared();
     case Ask::kHome:
     case Ask::kMove:
-    case Ask::kStop: return HandleTaken(request, reply);
+    case Ask::kStop:
+      return HandleTaken(request, reply);
   }
 }
 
@@ -106,10 +113,10 @@ void ZaberProtocol::HandleSetting(const Message& reply) {
     other_name_ = true;
     return NextSetting();
   } else if (setting_ == 0) {
-    return Fail(Format("Zaber device %d does not say what it is: '%s' is refused, %s",
-                       options_.device, std::string(setting.name).c_str(),
-                       RejectionInWords(reply.data).c_str()),
-                true);
+    return Fail(
+        Format("Zaber device %d does not say what it is: '%s' is refused, %s", options_.device,
+               std::string(setting.name).c_str(), RejectionInWords(reply.data).c_str()),
+        true);
   } else {
     Note("the device does not tell '" + std::string(setting.name) +
          "': " + RejectionInWords(reply.data));
@@ -217,17 +224,16 @@ void ZaberProtocol::HandleCleared() {
 // Idle, and no flag says otherwise.
 void ZaberProtocol::Stands() {
   if ((goal_ == Goal::kHome || goal_ == Goal::kMove) && !sent_) return;
-  const double off_deg =
-      position_deg_ - static_cast<double>(target_) / microsteps_per_deg_;
+  const double off_deg = position_deg_ - static_cast<double>(target_) / microsteps_per_deg_;
   if (goal_ == Goal::kMove && std::abs(off_deg) > kArrivalTolerance_deg) {
     if (!taken_) return SendCommandAgain();
     if (!astray_since_) astray_since_ = now();
     if (now() - *astray_since_ < kAstrayWait)
       return Report(TableMotion::kMoving, position_deg_, "", position_asked_);
-    SetFault(TableMotion::kFault,
-             Format("stands at %.3f degrees instead of %.3f", position_deg_,
-                    position_deg_ - off_deg),
-             false);
+    SetFault(
+        TableMotion::kFault,
+        Format("stands at %.3f degrees instead of %.3f", position_deg_, position_deg_ - off_deg),
+        false);
     return ReportFault(position_asked_);
   }
   if (goal_ == Goal::kHome) {
@@ -248,7 +254,8 @@ void ZaberProtocol::Stands() {
 bool ZaberProtocol::Judge(std::string_view flag, bool busy) {
   const std::string words = FlagInWords(flag);
   switch (MeaningOf(flag)) {
-    case FlagMeaning::kNone: return true;
+    case FlagMeaning::kNone:
+      return true;
     case FlagMeaning::kNotice:
       if (noted_.insert(words).second) Note("the device reports " + words);
       return true;

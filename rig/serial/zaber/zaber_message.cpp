@@ -75,8 +75,8 @@ constexpr std::array kRejections = {
 
 template <std::size_t kCount>
 std::string InWords(const std::array<Words, kCount>& table, std::string_view name) {
-  const auto found = std::find_if(table.begin(), table.end(),
-                                  [&](const Words& row) { return row.name == name; });
+  const auto found =
+      std::find_if(table.begin(), table.end(), [&](const Words& row) { return row.name == name; });
   std::string text(name);
   return found == table.end() ? text : text + ": " + std::string(found->words);
 }
@@ -151,10 +151,17 @@ std::optional<Message> ParseMessage(std::string_view line) {
   if (line.empty()) return std::nullopt;
   Message message;
   switch (line.front()) {
-    case '@': message.kind = MessageKind::kReply; break;
-    case '!': message.kind = MessageKind::kAlert; break;
-    case '#': message.kind = MessageKind::kInfo; break;
-    default: return std::nullopt;
+    case '@':
+      message.kind = MessageKind::kReply;
+      break;
+    case '!':
+      message.kind = MessageKind::kAlert;
+      break;
+    case '#':
+      message.kind = MessageKind::kInfo;
+      break;
+    default:
+      return std::nullopt;
   }
   const auto content = CheckedContent(line.substr(1));
   if (!content) return std::nullopt;

@@ -100,7 +100,7 @@ void ZaberProtocol::SendCommandAgain() {
   const std::string name = goal_ == Goal::kHome ? "home" : "move abs";
   if (std::exchange(sent_again_, true)) {
     SetFault(TableMotion::kFault, "'" + name + "' was sent twice and not answered", busy_);
-    return;
+    return ReportFault(position_asked_);
   }
   Note("'" + name + "' was not answered and the axis does not stand at its end: sent again");
   SendCommand();

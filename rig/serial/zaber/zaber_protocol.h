@@ -1,9 +1,9 @@
 // Zaber's ASCII protocol (firmware 6 and 7) as a pure machine.
 //
 // One command is outstanding at a time; each carries a message id and a checksum, and only a reply
-// with its id answers it. A device that sends no ids at all is accepted: then a command waits for the
-// answer that is still due. Arrival is IDLE, no flag against it, and a position at the target, all
-// asked for after the device has taken the move.
+// with its id answers it. A device that sends no ids at all is accepted: then a command waits for
+// the answer that is still due. Arrival is IDLE, no flag against it, and a position at the target,
+// all asked for after the device has taken the move.
 #pragma once
 
 #include <optional>
@@ -92,7 +92,7 @@ class ZaberProtocol final : public LineProtocol {
   bool referenced_ = false;         // the device has had a reference since the link was opened
   bool must_home_ = false;
   TableMotion fault_motion_ = TableMotion::kIdle;
-  std::string fault_;           // stays until the next command
+  std::string fault_;            // stays until the next command
   std::set<std::string> noted_;  // flags that were told
 
   // The command under way.

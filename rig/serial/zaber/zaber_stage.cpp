@@ -52,10 +52,11 @@ Result<ZaberStage> IdentifyStage(const SettingValues& values, const ZaberOptions
   const auto cycle = Positive(NumberOf(values, "limit.cycle.dist"));
   const auto wanted = options.microsteps_per_turn;
   if (!cycle && !wanted)
-    return DeviceError(Format(
-        "Zaber device %d (id %s), axis %d: has no limit.cycle.dist, so it is no rotary stage, or one "
-        "that does not know its turn; if it is one, set microsteps_per_turn",
-        options.device, TextOf(values, "device.id").c_str(), options.axis));
+    return DeviceError(
+        Format("Zaber device %d (id %s), axis %d: has no limit.cycle.dist, so it is no rotary "
+               "stage, or one "
+               "that does not know its turn; if it is one, set microsteps_per_turn",
+               options.device, TextOf(values, "device.id").c_str(), options.axis));
   if (cycle && wanted && *cycle != *wanted)
     return DeviceError(Format(
         "Zaber device %d, axis %d: turns by %s microsteps (limit.cycle.dist), microsteps_per_turn "

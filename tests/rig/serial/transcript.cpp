@@ -1,4 +1,4 @@
-#include "transcript.h"
+#include "tests/rig/serial/transcript.h"
 
 #include <algorithm>
 #include <chrono>
@@ -14,15 +14,20 @@ namespace {
 
 std::string MotionName(TableMotion motion) {
   switch (motion) {
-    case TableMotion::kIdle: return "idle";
-    case TableMotion::kMoving: return "moving";
-    case TableMotion::kUnhomed: return "unhomed";
-    case TableMotion::kFault: return "fault";
+    case TableMotion::kIdle:
+      return "idle";
+    case TableMotion::kMoving:
+      return "moving";
+    case TableMotion::kUnhomed:
+      return "unhomed";
+    case TableMotion::kFault:
+      return "fault";
   }
   return "";
 }
 
-// How what arrives is cut: whole reads, one byte at a time, each line at a place, or lines together.
+// How what arrives is cut: whole reads, one byte at a time, each line at a place, or lines
+// together.
 struct Split {
   std::size_t at = 0;  // 0: not
   bool bytes = false, together = false;
@@ -77,12 +82,19 @@ class Player {
     }
     Deliver();
     switch (kind) {
-      case '>': return PlaySent(rest);
-      case '+': Wait(std::chrono::milliseconds(std::stoi(rest))); return "";
-      case '!': return PlayCall(rest);
-      case '=': return PlayEvent(rest);
-      case '.': return PlayEnd();
-      default: return "no line of a script";
+      case '>':
+        return PlaySent(rest);
+      case '+':
+        Wait(std::chrono::milliseconds(std::stoi(rest)));
+        return "";
+      case '!':
+        return PlayCall(rest);
+      case '=':
+        return PlayEvent(rest);
+      case '.':
+        return PlayEnd();
+      default:
+        return "no line of a script";
     }
   }
 
@@ -156,6 +168,8 @@ class Player {
   std::string PlayEvent(const std::string& line) {
     const Expected expected = ParseExpected(line);
     if (expected.kind != "moving") DropMoving();
+    while (events_.size() > 1 && IsMoving(events_.front()) && !Fits(expected, events_.front()))
+      events_.pop_front();
     if (events_.empty()) return "nothing happened" + Rest();
     const StageEvent event = events_.front();
     events_.pop_front();

@@ -1,5 +1,6 @@
-// A conversation with a stage's controller written down as text, and played to a protocol with every
-// way of splitting what is received. A script is a list of lines, without regard to spaces before them:
+// A conversation with a stage's controller written down as text, and played to a protocol with
+// every way of splitting what is received. A script is a list of lines, without regard to spaces
+// before them:
 //
 //   > text          the protocol has sent this line next
 //   < text          this line arrives, with CR LF at its end; several in a row may come in one read
@@ -24,8 +25,11 @@ namespace turnlight::rig::serial {
 
 struct Conversation {
   std::unique_ptr<StageProtocol> protocol;
-  // What is sent, without its end, as the script writes it: a number that counts up may become a sign.
-  std::function<std::string(const std::string&)> sent = [](const std::string& line) { return line; };
+  // What is sent, without its end, as the script writes it: a number that counts up may become a
+  // sign.
+  std::function<std::string(const std::string&)> sent = [](const std::string& line) {
+    return line;
+  };
   // What the script says arrives, as it really does.
   std::function<std::string(const std::string&)> received = [](const std::string& line) {
     return line;
