@@ -120,6 +120,8 @@ void Smc100Protocol::HandleTrouble(unsigned whole, DeviceTime asked) {
   }
   const bool wanted = goal_ == Goal::kHome || goal_ == Goal::kMove;
   if (wanted && !taken_ && fault_.empty()) return Advance(state);
+  // A motor without current may have been turned.
+  if (KindOf(state) == StateKind::kDisabled && referenced_) in_doubt_ = true;
   if (fault_.empty()) SetFault(TableMotion::kFault, "it cannot move in state " + words);
   ReportFault(asked);
 }

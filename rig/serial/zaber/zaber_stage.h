@@ -30,15 +30,10 @@ struct Setting {
 };
 
 inline constexpr std::array kSettings = {
-    Setting{"device.id", true, "deviceid"},
-    Setting{"system.serial", true, ""},
-    Setting{"version", true, ""},
-    Setting{"resolution", false, ""},
-    Setting{"limit.cycle.dist", false, ""},
-    Setting{"limit.min", false, ""},
-    Setting{"limit.max", false, ""},
-    Setting{"maxspeed", false, ""},
-    Setting{"accel", false, "motion.accelonly"},
+    Setting{"device.id", true, "deviceid"}, Setting{"system.serial", true, ""},
+    Setting{"version", true, ""},           Setting{"limit.cycle.dist", false, ""},
+    Setting{"limit.min", false, ""},        Setting{"limit.max", false, ""},
+    Setting{"maxspeed", false, ""},         Setting{"accel", false, "motion.accelonly"},
 };
 
 // Their values by name, as text; one that the device does not have is missing.

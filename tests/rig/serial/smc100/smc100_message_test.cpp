@@ -62,8 +62,10 @@ TEST(Smc100Message, OnlyFourStatesAreReady) {
   EXPECT_EQ(KindOf(0x1e), StateKind::kHoming);
   EXPECT_EQ(KindOf(0x1f), StateKind::kHoming);
   EXPECT_EQ(KindOf(0x28), StateKind::kMoving);
-  for (unsigned state = 0x3c; state <= 0x3e; ++state) EXPECT_EQ(KindOf(state), StateKind::kDisabled);
-  for (const unsigned state : {0x00u, 0x09u, 0x12u, 0x27u, 0x29u, 0x31u, 0x36u, 0x46u, 0x47u, 0xffu})
+  for (unsigned state = 0x3c; state <= 0x3e; ++state)
+    EXPECT_EQ(KindOf(state), StateKind::kDisabled);
+  for (const unsigned state :
+       {0x00u, 0x09u, 0x12u, 0x27u, 0x29u, 0x31u, 0x36u, 0x46u, 0x47u, 0xffu})
     EXPECT_EQ(KindOf(state), StateKind::kOther) << state;
 }
 

@@ -1,7 +1,7 @@
-// Proves, from conversations after the manual's examples, split everywhere: what is sent and when, that
-// TE is asked after all that is set, that silence, late, double and foreign replies complete nothing,
-// and that what is no such controller is refused. Does not prove that a controller behaves as the manual
-// says.
+// Proves, from conversations after the manual's examples, split everywhere: what is sent and when,
+// that TE is asked after all that is set, that silence, late, double and foreign replies complete
+// nothing, and that what is no such controller is refused. Does not prove that a controller behaves
+// as the manual says.
 #include "rig/serial/smc100/smc100_protocol.h"
 
 #include <gtest/gtest.h>
@@ -166,8 +166,8 @@ TEST(Smc100Protocol, AGarbledMoveIsSentAgainOnce) {
             "");
 }
 
-TEST(Smc100Protocol, AMoveThatIsIgnoredIsSentAgainOnce) {
-  const std::string at_rest = R"(
+// Ready at 0 for half a second.
+const std::string kStaysAtZero = R"(
     < 1TS000033
     > 1TP
     < 1TP0
@@ -180,19 +180,21 @@ TEST(Smc100Protocol, AMoveThatIsIgnoredIsSentAgainOnce) {
     > 1TS
     < 1TS000033
 )";
+
+TEST(Smc100Protocol, AMoveThatIsIgnoredIsSentAgainOnce) {
   EXPECT_EQ(PlaySmc100(kSmc100Ready + R"(
     ! move 200
     > 1PA200.00000
     > 1TE
     < 1TE@
     > 1TS
-    )" + at_rest + R"(
+    )" + kStaysAtZero + R"(
     = note 'did not set out: sent again'
     > 1PA200.00000
     > 1TE
     < 1TE@
     > 1TS
-    )" + at_rest + R"(
+    )" + kStaysAtZero + R"(
     = fault 'stands at 0.000 degrees instead of 200.000; is that out of its range?'
     # the position is in doubt: the reference is searched anew
     ! home
@@ -387,8 +389,8 @@ TEST(Smc100Protocol, RefusesWhatIsNotTheController) {
 TEST(Smc100Protocol, LimitsAndSpeedsBecomeTraits) {
   Smc100Protocol protocol({});
   protocol.Connect();
-  for (const char* reply : {"1VE SMC", "1TS000033", "1IDURS", "1SL-170", "1SR170.5", "1VA20", "1AC80",
-                            "1SU0.0005", "1TE@"})
+  for (const char* reply : {"1VE SMC", "1TS000033", "1IDURS", "1SL-170", "1SR170.5", "1VA20",
+                            "1AC80", "1SU0.0005", "1TE@"})
     protocol.Receive(std::string(reply) + "\r\n");
   const auto events = protocol.TakeEvents();
   ASSERT_EQ(events.size(), 1u);

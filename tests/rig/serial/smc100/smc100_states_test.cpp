@@ -1,6 +1,6 @@
-// Proves, from conversations after the manual's states and errors, split everywhere: every state and
-// every error of the positioner has its outcome in every phase, and one altered reply is none. Does not
-// prove that a controller sets its states when it should.
+// Proves, from conversations after the manual's states and errors, split everywhere: every state
+// and every error of the positioner has its outcome in every phase, and one altered reply is none.
+// Does not prove that a controller sets its states when it should.
 #include <gtest/gtest.h>
 
 #include "base/format.h"
@@ -27,7 +27,8 @@ TEST(Smc100States, DoneMeansReadyAndNothingElse) {
     const std::string script = kSmc100Ready + kMovingTo90 + reply;
     switch (KindOf(state)) {
       case StateKind::kReady:
-        EXPECT_EQ(PlaySmc100(script + "> 1TP\n < 1TP90\n > 1TS\n" + reply + "= idle 90"), "") << state;
+        EXPECT_EQ(PlaySmc100(script + "> 1TP\n < 1TP90\n > 1TS\n" + reply + "= idle 90"), "")
+            << state;
         break;
       case StateKind::kMoving:
       case StateKind::kHoming:
@@ -38,7 +39,8 @@ TEST(Smc100States, DoneMeansReadyAndNothingElse) {
             << state;
         break;
       default:
-        EXPECT_EQ(PlaySmc100(script + "> 1TS\n" + reply + Format("= fault 'state %02X'", state)), "")
+        EXPECT_EQ(PlaySmc100(script + "> 1TS\n" + reply + Format("= fault 'state %02X'", state)),
+                  "")
             << state;
     }
   }
@@ -82,8 +84,8 @@ TEST(Smc100States, OneAlteredReplyIsNoTrouble) {
 TEST(Smc100States, ErrorsOfThePositionerAreTold) {
   for (int bit = 2; bit < 16; ++bit) {
     const unsigned errors = 1u << bit;
-    EXPECT_EQ(PlaySmc100(kSmc100Ready + kMovingTo90 + Format("< 1TS%04X33\n", errors) + "= fault '" +
-                         ErrorsInWords(errors) + ", state 33, READY from MOVING'"),
+    EXPECT_EQ(PlaySmc100(kSmc100Ready + kMovingTo90 + Format("< 1TS%04X33\n", errors) +
+                         "= fault '" + ErrorsInWords(errors) + ", state 33, READY from MOVING'"),
               "");
     EXPECT_EQ(PlaySmc100(kSmc100Ready + kMovingTo90 + Format("< 1TS%04X28\n", errors) +
                          "> 1ST\n > 1TE\n = fault '" + ErrorsInWords(errors) + "'"),

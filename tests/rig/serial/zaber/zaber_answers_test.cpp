@@ -1,7 +1,7 @@
-// Proves, from conversations after the manual's examples, split everywhere: every flag has its outcome
-// in every phase, rejections are told in the vendor's words, long replies are put together, garbage is
-// bounded, and a device that is not the one that is wanted is refused. Does not prove that a device sets
-// its flags when it should.
+// Proves, from conversations after the manual's examples, split everywhere: every flag has its
+// outcome in every phase, rejections are told in the vendor's words, long replies are put together,
+// garbage is bounded, and a device that is not the one that is wanted is refused. Does not prove
+// that a device sets its flags when it should.
 #include <gtest/gtest.h>
 
 #include "tests/rig/serial/zaber/zaber_conversation.h"
@@ -17,16 +17,21 @@ TEST(ZaberAnswers, AFaultInAMoveStopsItAndAsksForAHoming) {
       < @01 1 * OK BUSY -- 0
       + 20
       > /1 1 *
-      < @01 1 * OK BUSY )" + flag + R"( 0
-      = fault ')" + flag + R"('
+      < @01 1 * OK BUSY )" +
+                        flag + R"( 0
+      = fault ')" + flag +
+                        R"('
       > /1 1 * stop
-      < @01 1 * OK IDLE )" + flag + R"( 0
-      = fault ')" + flag + R"('
+      < @01 1 * OK IDLE )" +
+                        flag + R"( 0
+      = fault ')" + flag +
+                        R"('
       ! move 90
       + 20
       > /1 1 * get pos
       < @01 1 * OK IDLE -- 4267
-      = unhomed ')" + flag + R"('
+      = unhomed ')" + flag +
+                        R"('
       ! home
       > /1 1 * warnings clear
       < @01 1 * OK IDLE -- 01 FS
@@ -43,7 +48,8 @@ TEST(ZaberAnswers, AFaultInAMoveStopsItAndAsksForAHoming) {
 
 TEST(ZaberAnswers, AStallWhenItArrivesIsNoArrival) {
   for (const std::string replies :
-       {"< @01 1 * OK IDLE FS 0", "< @01 1 * OK IDLE -- 0\n > /1 1 * get pos\n < @01 1 * OK IDLE FS 96000"})
+       {"< @01 1 * OK IDLE FS 0",
+        "< @01 1 * OK IDLE -- 0\n > /1 1 * get pos\n < @01 1 * OK IDLE FS 96000"})
     EXPECT_EQ(PlayZaber(kZaberReady + R"(
       ! move 90
       > /1 1 * move abs 96000
@@ -60,17 +66,21 @@ TEST(ZaberAnswers, AnAxisThatAnotherHandMovesIsAFaultUntilItIsMovedAgain) {
     EXPECT_EQ(PlayZaber(kZaberReady + R"(
       + 20
       > /1 1 * get pos
-      < @01 1 * OK IDLE )" + flag + R"( 500
-      = fault ')" + flag + R"('
+      < @01 1 * OK IDLE )" +
+                        flag + R"( 500
+      = fault ')" + flag +
+                        R"('
       + 20
       > /1 1 * get pos
       < @01 1 * OK IDLE -- 500
-      = fault ')" + flag + R"('
+      = fault ')" + flag +
+                        R"('
       ! move 0
       > /1 1 * warnings clear
       < @01 1 * OK IDLE -- 0
       > /1 1 * move abs 0
-      < @01 1 * OK BUSY )" + flag + R"( 0
+      < @01 1 * OK BUSY )" +
+                        flag + R"( 0
       + 20
       > /1 1 *
       < @01 1 * OK IDLE -- 0
@@ -123,7 +133,8 @@ TEST(ZaberAnswers, ANoticeHidesNoFlagBehindIt) {
 )";
   EXPECT_EQ(PlayZaber(kZaberReady + arrived + "< @01 1 * OK IDLE WT 01 WT\n = idle 90"), "");
   EXPECT_EQ(PlayZaber(kZaberReady + arrived + "< @01 1 * OK IDLE WT 02 WT WM\n = fault 'WM'"), "");
-  EXPECT_EQ(PlayZaber(kZaberReady + arrived + "< @01 1 * OK IDLE WT 02 WT WR\n = unhomed 'WR'"), "");
+  EXPECT_EQ(PlayZaber(kZaberReady + arrived + "< @01 1 * OK IDLE WT 02 WT WR\n = unhomed 'WR'"),
+            "");
   EXPECT_EQ(PlayZaber(kZaberReady + arrived + "< @01 1 * OK IDLE WT 02 WT NC\n = fault 'NC'"), "");
 }
 
@@ -245,8 +256,6 @@ TEST(ZaberAnswers, ASettingThatIsMissingIsSkipped) {
     = note ''system.serial': BADCOMMAND'
     > /1 0 * get version
     < @01 0 * OK IDLE WR 6.14
-    > /1 1 * get resolution
-    < @01 1 * OK IDLE WR 64
     > /1 1 * get limit.cycle.dist
     < @01 1 * RJ IDLE WR BADCOMMAND
     = note 'limit.cycle.dist'
@@ -280,7 +289,7 @@ TEST(ZaberAnswers, RefusesWhatIsNotTheStage) {
             "");
   const std::string first = kZaberReady.substr(0, kZaberReady.find("> /1 1"));
   EXPECT_EQ(PlayZaber(first + R"(
-    > /1 1 * get resolution
+    > /1 1 * get limit.cycle.dist
     < @01 1 * RJ IDLE -- BADAXIS
     = for-good 'device 1 has no axis 1 (BADAXIS: there is no axis of this number)')"),
             "");

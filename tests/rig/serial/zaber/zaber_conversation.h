@@ -44,8 +44,6 @@ inline const std::string kZaberIdentified = R"(
   < @01 0 * OK IDLE -- 71234
   > /1 0 * get version
   < @01 0 * OK IDLE -- 7.38
-  > /1 1 * get resolution
-  < @01 1 * OK IDLE -- 64
   > /1 1 * get limit.cycle.dist
   < @01 1 * OK IDLE -- 384000
   > /1 1 * get limit.min

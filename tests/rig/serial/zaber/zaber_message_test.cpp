@@ -1,5 +1,6 @@
-// Proves: lines of the manual are read whatever their spaces, ids and checksums; a line with a wrong
-// checksum or a missing part is none; commands carry the manual's checksum; what fails a frame does.
+// Proves: lines of the manual are read whatever their spaces, ids and checksums; a line with a
+// wrong checksum or a missing part is none; commands carry the manual's checksum; what fails a
+// frame does.
 #include "rig/serial/zaber/zaber_message.h"
 
 #include <gtest/gtest.h>
@@ -88,18 +89,18 @@ TEST(ZaberMessage, ReadsAlertsAndInfo) {
 }
 
 TEST(ZaberMessage, RefusesWhatIsNoLineOfTheProtocol) {
-  for (const char* line :
-       {"", "@", "ok", "@01", "@01 1", "@01 1 OK", "@01 1 OK IDLE", "@01 1 OK STILL -- 0",
-        "@01 1 YES IDLE -- 0", "@001 1 OK IDLE -- 0", "@01 1 05 06 OK IDLE -- 0",
-        "@01 1 OK IDLE --- 0", "@01 1 OK IDLE -- 0:", "@01 1 OK IDLE -- 0:0", "@01 1 OK IDLE -- 0:00",
-        "@01 1 OK IDLE -- 0:G0", "!01 1 --", "@xx 1 OK IDLE -- 0", "1TS000032"})
+  for (const char* line : {"", "@", "ok", "@01", "@01 1", "@01 1 OK", "@01 1 OK IDLE",
+                           "@01 1 OK STILL -- 0", "@01 1 YES IDLE -- 0", "@001 1 OK IDLE -- 0",
+                           "@01 1 05 06 OK IDLE -- 0", "@01 1 OK IDLE --- 0",
+                           "@01 1 OK IDLE -- 0:", "@01 1 OK IDLE -- 0:0", "@01 1 OK IDLE -- 0:00",
+                           "@01 1 OK IDLE -- 0:G0", "!01 1 --", "@xx 1 OK IDLE -- 0", "1TS000032"})
     EXPECT_FALSE(ParseMessage(line)) << line;
 }
 
 TEST(ZaberMessage, FlagsMeanWhatTheManualSays) {
   EXPECT_EQ(MeaningOf("--"), FlagMeaning::kNone);
-  for (const char* flag : {"FF", "FN", "FZ", "FH", "FV", "FO", "FC", "FM", "FD", "FQ", "FI", "FA", "FR",
-                           "FS", "FB", "FP", "FE", "FT", "WL", "WS", "WM", "F?", "WX", "ZZ"})
+  for (const char* flag : {"FF", "FN", "FZ", "FH", "FV", "FO", "FC", "FM", "FD", "FQ", "FI", "FA",
+                           "FR", "FS", "FB", "FP", "FE", "FT", "WL", "WS", "WM", "F?", "WX", "ZZ"})
     EXPECT_EQ(MeaningOf(flag), FlagMeaning::kFault) << flag;
   for (const char* flag : {"WR", "WH"}) EXPECT_EQ(MeaningOf(flag), FlagMeaning::kUnhomed);
   for (const char* flag : {"NC", "NI"}) EXPECT_EQ(MeaningOf(flag), FlagMeaning::kDisturbed);

@@ -1,6 +1,6 @@
-// Proves, from conversations after the manual's examples, split everywhere: what is sent and when, that
-// silence, late, stale and foreign replies complete nothing, and that what is no such device is refused.
-// Does not prove that a device behaves as the manual says.
+// Proves, from conversations after the manual's examples, split everywhere: what is sent and when,
+// that silence, late, stale and foreign replies complete nothing, and that what is no such device
+// is refused. Does not prove that a device behaves as the manual says.
 #include "rig/serial/zaber/zaber_protocol.h"
 
 #include <gtest/gtest.h>
@@ -136,7 +136,7 @@ TEST(ZaberProtocol, RepliesOfOthersAndStaleOnesCompleteNothing) {
     # another device, another axis, the poll before, no id at all, information and an alert
     < @02 1 * OK IDLE -- 0
     < @01 2 * OK IDLE -- 0
-    < @01 1 10 OK IDLE -- 0
+    < @01 1 09 OK IDLE -- 0
     < @01 1 OK IDLE -- 0
     < #01 1 Idle
     < !01 1 IDLE --
@@ -202,8 +202,8 @@ TEST(ZaberProtocol, ALateReplyToAMoveCounts) {
     + 500
     = note 'no reply'
     > /1 1 *
-    # ids count from 0: 11 were used until the first position
-    < @01 1 11 OK BUSY -- 0
+    # ids count from 0: 10 were used until the first position
+    < @01 1 10 OK BUSY -- 0
     .
     < @01 1 * OK IDLE -- 0
     > /1 1 * get pos
@@ -242,8 +242,8 @@ TEST(ZaberProtocol, AReplyToAnEarlierTryIsGoodToo) {
     > /1 1 * get pos
     + 500
     > /1 1 * get pos
-    # 11 was the first try
-    < @01 1 11 OK IDLE -- 0
+    # 10 was the first try
+    < @01 1 10 OK IDLE -- 0
     = idle 0
     < @01 1 * OK IDLE -- 96000
     .)"),

@@ -1,5 +1,5 @@
-// Proves: the settings become a stage in degrees by the manual's units; a stage that does not turn, or
-// turns otherwise than the config says, is refused; the keys are read strictly.
+// Proves: the settings become a stage in degrees by the manual's units; a stage that does not turn,
+// or turns otherwise than the config says, is refused; the keys are read strictly.
 #include "rig/serial/zaber/zaber_stage.h"
 
 #include <gmock/gmock.h>
@@ -13,9 +13,10 @@ namespace {
 using testing::HasSubstr;
 
 SettingValues RotaryStage() {
-  return {{"device.id", "50321"},  {"system.serial", "71234"}, {"version", "7.38"},
-          {"resolution", "64"},    {"limit.cycle.dist", "384000"}, {"limit.min", "-384000"},
-          {"limit.max", "768000"}, {"maxspeed", "52429"},      {"accel", "17"}};
+  return {{"device.id", "50321"},   {"system.serial", "71234"},
+          {"version", "7.38"},      {"limit.cycle.dist", "384000"},
+          {"limit.min", "-384000"}, {"limit.max", "768000"},
+          {"maxspeed", "52429"},    {"accel", "17"}};
 }
 
 TEST(ZaberStage, ReadsTheManualsUnits) {
@@ -64,7 +65,8 @@ TEST(ZaberStage, ReadsItsKeys) {
   EXPECT_EQ(options.device, 2);
   EXPECT_EQ(options.axis, 3);
   EXPECT_EQ(options.microsteps_per_turn, 384000.0);
-  for (const char* text : {R"({"device": 0})", R"({"axis": 10})", R"({"microsteps_per_turn": 1})"}) {
+  for (const char* text :
+       {R"({"device": 0})", R"({"axis": 10})", R"({"microsteps_per_turn": 1})"}) {
     const auto bad = ParseJson(text, "rig.json");
     ASSERT_TRUE(bad);
     StrictObject bad_keys(*bad);
