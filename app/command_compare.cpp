@@ -96,8 +96,7 @@ Result<CompareTolerances> ReadToleranceFile(const std::string& file) {
     tolerances.session = *session;
   }
   if (auto section = object.OptionalObject("result")) {
-    const auto result =
-        ReadTolerances(std::move(*section), estimator::results::ResultQuantities());
+    const auto result = ReadTolerances(std::move(*section), estimator::results::ResultQuantities());
     if (!result) return Forward(result);
     tolerances.result = *result;
   }

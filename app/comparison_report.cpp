@@ -43,6 +43,15 @@ std::string ValueText(const nlohmann::json& value) {
   return "(" + Listed(parts) + ")";
 }
 
+// At most so wide; not cut within a character of UTF-8.
+std::string Short(const std::string& text) {
+  constexpr std::size_t kWidest = 36;
+  if (text.size() <= kWidest) return text;
+  std::size_t end = kWidest - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end) + "...";
+}
+
 std::string OptionalText(const std::optional<double>& value, int digits) {
   return value ? NumberText(*value, digits) : "-";
 }
@@ -52,7 +61,8 @@ std::string LimitText(const ComparedQuantity& quantity) {
   if (quantity.sigmas_limit) limits.push_back(NumberText(*quantity.sigmas_limit, 3) + " sigmas");
   if (quantity.allowed) limits.push_back(NumberText(*quantity.allowed, 3));
   if (limits.empty()) return "equal";
-  return limits.size() == 1 ? limits[0] : limits[0] + (quantity.both ? " and " : " or ") + limits[1];
+  return limits.size() == 1 ? limits[0]
+                            : limits[0] + (quantity.both ? " and " : " or ") + limits[1];
 }
 
 std::string VerdictText(Verdict verdict) {
@@ -96,13 +106,13 @@ std::string Table(std::vector<const ComparedQuantity*> quantities) {
   std::vector<Row> rows{{"what", "A", "B", "difference", "sigmas", "allowed", "verdict"}};
   for (const ComparedQuantity* quantity : quantities) {
     if (rows.size() > kShownRows) break;
-    rows.push_back({NameOf(*quantity), ValueText(quantity->a), ValueText(quantity->b),
+    // What the other columns do not say.
+    const bool in_numbers = quantity->difference && quantity->verdict == Verdict::kDifferent;
+    const std::string& words = in_numbers ? quantity->remark : quantity->why;
+    rows.push_back({NameOf(*quantity), Short(ValueText(quantity->a)), Short(ValueText(quantity->b)),
                     OptionalText(quantity->difference, 3), OptionalText(quantity->sigmas, 3),
                     LimitText(*quantity),
-                    VerdictText(quantity->verdict) +
-                        (quantity->difference && quantity->verdict == Verdict::kDifferent
-                             ? ""
-                             : ": " + quantity->why)});
+                    VerdictText(quantity->verdict) + (words.empty() ? "" : ": " + words)});
   }
   const std::size_t shown = rows.size() - 1;
   std::string text = Aligned(rows);
@@ -120,14 +130,13 @@ std::vector<const ComparedQuantity*> WithVerdict(const Comparison& comparison, V
 
 // "; nearest to its limit is light 2: distance, 2.1 of 3 sigmas"
 std::string NearestToLimit(const Comparison& comparison) {
-  const auto nearest = std::max_element(
-      comparison.quantities.begin(), comparison.quantities.end(),
-      [](const ComparedQuantity& a, const ComparedQuantity& b) {
-        return (a.verdict == Verdict::kSame ? ShareOfLimit(a) : -1.0) <
-               (b.verdict == Verdict::kSame ? ShareOfLimit(b) : -1.0);
-      });
-  if (nearest == comparison.quantities.end() || ShareOfLimit(*nearest) == 0.0)
-    return ", all equal";
+  const auto nearest =
+      std::max_element(comparison.quantities.begin(), comparison.quantities.end(),
+                       [](const ComparedQuantity& a, const ComparedQuantity& b) {
+                         return (a.verdict == Verdict::kSame ? ShareOfLimit(a) : -1.0) <
+                                (b.verdict == Verdict::kSame ? ShareOfLimit(b) : -1.0);
+                       });
+  if (nearest == comparison.quantities.end() || ShareOfLimit(*nearest) == 0.0) return ", all equal";
   const std::string text = "; nearest to its limit is " + NameOf(*nearest) + ", ";
   if (!nearest->sigmas)
     return text + NumberText(*nearest->difference, 3) + " of " + LimitText(*nearest);
@@ -139,18 +148,20 @@ ordered_json OrNull(const std::optional<double>& value) {
 }
 
 ordered_json ToJson(const ComparedQuantity& quantity) {
-  return {{"group", quantity.group},
-          {"name", quantity.name},
-          {"quantity", quantity.quantity.empty() ? ordered_json() : ordered_json(quantity.quantity)},
-          {"a", quantity.a},
-          {"b", quantity.b},
-          {"difference", OrNull(quantity.difference)},
-          {"sigmas", OrNull(quantity.sigmas)},
-          {"sigmas_limit", OrNull(quantity.sigmas_limit)},
-          {"allowed", OrNull(quantity.allowed)},
-          {"require", quantity.both ? "both" : "either"},
-          {"verdict", VerdictText(quantity.verdict)},
-          {"why", quantity.why}};
+  return {
+      {"group", quantity.group},
+      {"name", quantity.name},
+      {"quantity", quantity.quantity.empty() ? ordered_json() : ordered_json(quantity.quantity)},
+      {"a", quantity.a},
+      {"b", quantity.b},
+      {"difference", OrNull(quantity.difference)},
+      {"sigmas", OrNull(quantity.sigmas)},
+      {"sigmas_limit", OrNull(quantity.sigmas_limit)},
+      {"allowed", OrNull(quantity.allowed)},
+      {"require", quantity.both ? "both" : "either"},
+      {"verdict", VerdictText(quantity.verdict)},
+      {"why", quantity.why},
+      {"remark", quantity.verdict == Verdict::kDifferent ? quantity.remark : ""}};
 }
 
 }  // namespace
@@ -204,7 +215,7 @@ std::vector<JunitCase> JunitCases(const std::vector<Comparison>& comparisons) {
       if (quantity.verdict == Verdict::kNotJudged) test.outcome = JunitOutcome::kSkipped;
       if (quantity.verdict != Verdict::kSame)
         test.text = "A " + ValueText(quantity.a) + ", B " + ValueText(quantity.b) + ": " +
-                    quantity.why;
+                    quantity.why + (quantity.remark.empty() ? "" : "; " + quantity.remark);
       cases.push_back(std::move(test));
     }
   }

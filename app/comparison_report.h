@@ -13,9 +13,11 @@ namespace turnlight::app {
 // table of what is different, worst first, and of what was not judged.
 std::string ComparisonText(const Comparison& comparison);
 
-// {"format": "turnlight-comparison", "version": 1, "a", "b", "same", "comparisons": [{"what", "same",
+// {"format": "turnlight-comparison", "version": 1, "a", "b", "same", "comparisons": [{"what",
+// "same",
 //  "content_sha256", "quantities": [{"group", "name", "quantity", "a", "b", "difference", "sigmas",
-//  "sigmas_limit", "allowed", "require", "verdict", "why"}]}]}; null is what there is not.
+//  "sigmas_limit", "allowed", "require", "verdict", "why", "remark"}]}]}; null
+// is what there is not.
 std::string ComparisonsToJson(const std::string& a, const std::string& b,
                               const std::vector<Comparison>& comparisons);
 

@@ -35,7 +35,8 @@ struct ComparedQuantity {
   std::optional<double> allowed{};          // of the difference, by the stated tolerance
   bool both = false;                        // both limits have to be kept
   Verdict verdict = Verdict::kSame;
-  std::string why{};  // of what is different or not judged, for people
+  std::string why{};     // of what is different or not judged, for people
+  std::string remark{};  // what else people should know of it if it is different
 };
 
 struct Comparison {

@@ -18,8 +18,8 @@ constexpr const char* kChannels[] = {"red", "green", "blue"};
 // does not reach by far, and worse pictures or a worse model do.
 constexpr double kRmsTolerance = 0.05;
 constexpr const char* kOtherGauge =
-    "not judged: the strongest light or the brightest channel is another, and with it what this "
-    "is relative to; the products judge it";
+    "the strongest light or the brightest channel, to which this is relative, is another; the "
+    "products judge it";
 
 double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));

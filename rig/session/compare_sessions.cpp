@@ -286,12 +286,12 @@ class SessionComparer {
   // count: of how many values this is the largest.
   void AddPicture(const std::string& group, const std::string& word, const std::string& name,
                   double difference, double sigmas, std::size_t count,
-                  const std::string& where = "") {
+                  const std::string& remark = "") {
     ComparedQuantity quantity{.group = group, .quantity = word, .name = name};
     Tolerance tolerance = tolerances_.Of(word);
     tolerance.sigmas = LimitOfLargest(*tolerance.sigmas, std::max<std::size_t>(count, 1));
     Judge(difference, std::max(0.0, sigmas), 1.0, tolerance, quantity);
-    if (!quantity.why.empty()) quantity.why += where;
+    quantity.remark = remark;
     Add(std::move(quantity));
   }
 
@@ -314,13 +314,13 @@ class SessionComparer {
     const double brightness_sigmas =
         found.brightness_sigma > 0.0 ? std::abs(found.brightness) / found.brightness_sigma : 0.0;
     AddPicture(group, "brightness", "brightness", std::abs(found.brightness), brightness_sigmas,
-               count, Format("; B is %+.3g %% brighter", 100.0 * found.brightness));
+               count, Format("B is %+.3g %% brighter", 100.0 * found.brightness));
     AddPicture(group, "picture_level", "levels of blocks", found.level_rms, found.level_sigmas,
                count);
     AddPicture(group, "picture_shift", "shifts of blocks", found.shift_rms_px, found.shift_sigmas,
-               count, "; something moved: is the table at this angle?");
+               count, "something moved: was the table at this angle?");
     AddPicture(group, "picture_block", "largest block", found.largest, found.largest_sigmas, blocks,
-               Format("; at pixel (%d, %d)", found.largest_at.x, found.largest_at.y));
+               Format("at pixel (%d, %d)", found.largest_at.x, found.largest_at.y));
   }
 
   const Session& a_;

@@ -1,6 +1,6 @@
-// Proves, in closed form: when a quantity is the same, with sigmas, tolerances, both or neither; what
-// a tolerance file may say; what chance does to the largest of many. Does not prove that sigmas are
-// right; the coverage studies do.
+// Proves, in closed form: when a quantity is the same, with sigmas, tolerances, both or neither;
+// what a tolerance file may say; what chance does to the largest of many. Does not prove that
+// sigmas are right; the coverage studies do.
 #include "base/comparison.h"
 
 #include <gmock/gmock.h>
@@ -31,8 +31,8 @@ TEST(Comparison, InSigmasOfBothSides) {
   EXPECT_FALSE(same.allowed);
   const auto different = Compared({10.0, 3.0}, {26.0, 4.0});
   EXPECT_EQ(different.verdict, Verdict::kDifferent);
-  EXPECT_THAT(different.why, AllOf(HasSubstr("differ by 16, 3.2 sigmas"),
-                                   HasSubstr("allowed is 3 sigmas")));
+  EXPECT_THAT(different.why,
+              AllOf(HasSubstr("differ by 16, 3.2 sigmas"), HasSubstr("allowed is 3 sigmas")));
 }
 
 TEST(Comparison, EitherOrBoth) {

@@ -1,5 +1,5 @@
-// Proves: an XML reader that is not ours finds in the file what was put in, whatever the text, and the
-// counts are those of the cases. Does not prove that every CI system shows it well.
+// Proves: an XML reader that is not ours finds in the file what was put in, whatever the text, and
+// the counts are those of the cases. Does not prove that every CI system shows it well.
 #include "base/junit.h"
 
 #include <gmock/gmock.h>
@@ -56,9 +56,9 @@ TEST(Junit, OutcomesAndCounts) {
 TEST(Junit, NoCases) { EXPECT_EQ(ReadByPython(JunitXml("none", {})), "none|0|0|0|0\n"); }
 
 TEST(Junit, AnyTextComesThrough) {
-  const std::string xml = JunitXml("a \"b\" & <c>", {{"<&>", "quote \" and ' and ]]>",
-                                                      JunitOutcome::kFailed,
-                                                      "two\nlines, 30\xC2\xB0, \xF0\x9F\x92\xA1"}});
+  const std::string xml =
+      JunitXml("a \"b\" & <c>", {{"<&>", "quote \" and ' and ]]>", JunitOutcome::kFailed,
+                                  "two\nlines, 30\xC2\xB0, \xF0\x9F\x92\xA1"}});
   const std::string found = ReadByPython(xml);
   EXPECT_THAT(found, HasSubstr("a \"b\" & <c>|1|1"));
   EXPECT_THAT(found, HasSubstr("'<&>'|'quote \" and \\' and ]]>'"));
@@ -66,9 +66,14 @@ TEST(Junit, AnyTextComesThrough) {
 }
 
 TEST(Junit, WhatXmlCannotHoldIsReplaced) {
-  const std::vector<std::string> bad{std::string("\0", 1), "\x1B", "\xFF", "\xC2", "\xC0\x80",
+  const std::vector<std::string> bad{std::string("\0", 1),
+                                     "\x1B",
+                                     "\xFF",
+                                     "\xC2",
+                                     "\xC0\x80",
                                      "\xED\xA0\x80",  // half of a surrogate pair
-                                     "\xEF\xBF\xBE", "\xF4\x90\x80\x80"};
+                                     "\xEF\xBF\xBE",
+                                     "\xF4\x90\x80\x80"};
   for (const std::string& text : bad) {
     const std::string found =
         ReadByPython(JunitXml("s", {{"g", "a" + text + "b", JunitOutcome::kPassed, ""}}));

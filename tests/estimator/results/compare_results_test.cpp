@@ -1,6 +1,6 @@
-// Proves, on results written by hand: which quantity is found different, by how many sigmas, and that
-// nothing else is; partners by direction; models, and the gauge. Does not prove how often chance alone
-// makes two results different; docs/compare.md has that, measured.
+// Proves, on results written by hand: which quantity is found different, by how many sigmas, and
+// that nothing else is; partners by direction; models, and the gauge. Does not prove how often
+// chance alone makes two results different; docs/compare.md has that, measured.
 #include "estimator/results/compare_results.h"
 
 #include <gmock/gmock.h>
@@ -64,9 +64,8 @@ std::vector<std::string> NamesOf(const Comparison& comparison, Verdict verdict) 
 }
 
 const ComparedQuantity& Named(const Comparison& comparison, const std::string& name) {
-  return *std::find_if(
-      comparison.quantities.begin(), comparison.quantities.end(),
-      [&](const ComparedQuantity& q) { return q.group + ": " + q.name == name; });
+  return *std::find_if(comparison.quantities.begin(), comparison.quantities.end(),
+                       [&](const ComparedQuantity& q) { return q.group + ": " + q.name == name; });
 }
 
 TEST(CompareResults, AResultIsTheSameAsItself) {
@@ -96,7 +95,10 @@ TEST(CompareResults, EveryQuantityCounts) {
       {"light 3: inverse distance", [](auto& r) { r.lights[2].inverse_distance.value = 0.0013; }},
       {"light 3: intensity", [](auto& r) { r.lights[2].intensity.value = 0.35; }},
       {"light 3: distance", [](auto& r) { r.lights[2].distance = {}; }},
-      {"light 3: colour, green", [](auto& r) { r.lights[2].colour = {1.0, 0.9, 1.0}; }},
+      {"light 3: colour, green",
+       [](auto& r) {
+         r.lights[2].colour = {1.0, 0.9, 1.0};
+       }},
       {"light 3: diffuse product, blue",
        [](auto& r) { r.lights[2].diffuse_product[2].value = 0.2; }},
       {"light 3: specular product", [](auto& r) { r.lights[2].specular_product.value = 0.1; }},
