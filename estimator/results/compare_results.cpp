@@ -224,13 +224,13 @@ class ResultComparer {
 }  // namespace
 
 const std::vector<QuantityWord>& ResultQuantities() {
-  static const std::vector<QuantityWord> words{
+  static const std::vector<QuantityWord> kWords{
       {"direction_deg", {}},    {"inverse_distance", {}}, {"distance", {}},
       {"intensity", {}},        {"light_color", {}},      {"diffuse_product", {}},
       {"specular_product", {}}, {"albedo", {}},           {"ambient", {}},
       {"diffuse", {}},          {"specular", {}},         {"shininess", {}},
       {"roughness_deg", {}},    {"ambient_product", {}},  {"rms", {.relative = kRmsTolerance}}};
-  return words;
+  return kWords;
 }
 
 std::vector<std::optional<std::size_t>> PartnersByDirection(const std::vector<ReportedLight>& a,
