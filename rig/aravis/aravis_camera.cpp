@@ -131,6 +131,9 @@ Result<CameraDevice> MakeAravisCamera(StrictObject keys) {
   device.binning = config->binning;
   for (std::size_t i = 0; i < 2; ++i)
     device.roi_offset[i] = config->offset[i] * config->binning[i];
+  // Sixteen bits may hold the ten or more of the sensor in their lower end.
+  device.full_scale_dn = {
+      {format.bits == 16 ? 1023.0 : 0.5 * (format.MaxDn() + 1.0), format.MaxDn()}};
   device.readout_s = 1e-3 * config->readout_ms;
   device.camera = std::make_shared<AravisCamera>(std::move(*config));
   return device;
