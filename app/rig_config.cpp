@@ -136,12 +136,25 @@ Status RequireTurntable(const RunConfig& config) {
                     "is kind: table, or no calibration");
 }
 
+// What moves by itself does not wait for a clock that jumps.
+Status RequireWallClock(const RunConfig& config, const rig::TableDevice& table,
+                        const rig::CameraDevice& camera) {
+  if (config.graph.executor == nodes::graph::ExecutorKind::kWall) return {};
+  if (!table.real_time && !camera.real_time) return {};
+  return InputError(StrictObject(*config.graph.document).Object("graph").Where("executor") +
+                    ": virtual, allowed with the driver " +
+                    StrictObject(table.real_time ? config.table : config.camera).String("driver") +
+                    ", whose device lives in real time, is wall");
+}
+
 Result<rig::RigSetup> MakeRealRig(const RunConfig& config, const Chosen& chosen) {
   if (const Status status = RequireKnown(config); !status) return Forward(status);
   auto table = Make(*chosen.table, chosen.table_keys, nullptr);
   if (!table) return Forward(table);
   auto camera = Make(*chosen.camera, chosen.camera_keys, nullptr);
   if (!camera) return Forward(camera);
+  if (const Status status = RequireWallClock(config, *table, *camera); !status)
+    return Forward(status);
   return rig::RigSetup{.table = std::move(*table),
                        .camera = std::move(*camera),
                        .length_unit = config.length_unit,

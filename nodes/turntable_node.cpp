@@ -44,6 +44,7 @@ Status TurntableNode::OnGoal(const graph::Message<graph::ActionGoal<MoveGoal>>& 
 
 Status TurntableNode::OnPoll(graph::Time now) {
   const rig::TableState state = Read(now);
+  for (const std::string& note : table_->TakeNotes()) ReportFault("note", note);
   state_.Publish(state, state.time);
   move_.SendFeedback(state, state.time);
   if (move_.active() != 0) Work(state);

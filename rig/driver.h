@@ -16,6 +16,7 @@ namespace turnlight::rig {
 struct TableDevice {
   std::shared_ptr<Turntable> turntable;
   TableKinematics kinematics;
+  bool real_time = false;  // it moves while the clock on the wall goes on: no virtual executor
 };
 
 struct CameraDevice {
@@ -29,6 +30,7 @@ struct CameraDevice {
   // there. Not given: not known.
   std::optional<std::array<double, 2>> full_scale_dn;
   double readout_s = 0.05;  // from the end of an exposure to its picture, about
+  bool real_time = false;   // as of the table
 };
 
 }  // namespace turnlight::rig

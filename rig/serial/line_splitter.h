@@ -23,7 +23,7 @@ class LineSplitter {
   void Reset();
 
  private:
-  const std::size_t max_length_;
+  std::size_t max_length_;
   std::string line_;
   bool bad_line_ = false;
   std::size_t bad_ = 0;

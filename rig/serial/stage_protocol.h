@@ -1,6 +1,6 @@
 // A conversation with a stage's controller as a pure machine: bytes in, bytes out, the passing of
-// time as a number. It knows no port and no clock, so a transcript is a test and a fuzzer can talk to
-// it. serial_turntable.h gives it both.
+// time as a number. It knows no port and no clock, so a transcript is a test and a fuzzer can talk
+// to it. serial_turntable.h gives it both.
 //
 // How it is driven: after every call of Home, MoveTo, Halt, Leave, Receive or Pass the driver takes
 // the output and writes it, and takes the events. It calls Pass at the latest when Until() is over,
@@ -8,9 +8,11 @@
 //
 // What a protocol owes:
 // - It polls the status by itself, at the pace that suits its firmware, and reports each answer.
-// - After MoveTo or Home was called it reports kMoving until the arrival is proven by the controller,
+// - After MoveTo or Home was called it reports kMoving until the arrival is proven by the
+// controller,
 //   never an old kIdle; a command that is refused is reported as kFault with the vendor's words.
-// - Moves are absolute, so a command whose answer is missing may be sent again, once; that is noted.
+// - Moves are absolute, so a command whose answer is missing may be sent again, once; that is
+// noted.
 // - Every wait has a deadline; what is received is bounded, whatever comes.
 // - A restart of the controller at a time when none was asked for: kUnhomed, with the reason.
 #pragma once
@@ -46,8 +48,8 @@ struct StageReport {
   DeviceTime age{};           // how long ago it was asked for: it was true at some time since then
 };
 
-// The conversation is over; nothing more is sent. for_good: another controller, unit or setting than
-// this driver can work with, so that trying again is of no use.
+// The conversation is over; nothing more is sent. for_good: another controller, unit or setting
+// than this driver can work with, so that trying again is of no use.
 struct StageFailed {
   std::string text;
   bool for_good = false;

@@ -1,7 +1,8 @@
-// Proves, with Aravis' simulated camera on the real protocol: every trigger has its picture, with the
-// bytes that were sent, exposure and gain that the camera used, a time between trigger and arrival; also
-// while packets are lost, when pictures come that nobody asked for, and with a clock of the camera's
-// own. Does not prove: cameras whose stamps are wrong by their own fault; USB3 Vision.
+// Proves, with Aravis' simulated camera on the real protocol: every trigger has its picture, with
+// the bytes that were sent, exposure and gain that the camera used, a time between trigger and
+// arrival; also while packets are lost, when pictures come that nobody asked for, and with a clock
+// of the camera's own. Does not prove: cameras whose stamps are wrong by their own fault; USB3
+// Vision.
 #include "rig/aravis/aravis_camera.h"
 
 #include <gmock/gmock.h>
@@ -68,7 +69,8 @@ class EachFormat : public testing::TestWithParam<std::string> {};
 
 TEST_P(EachFormat, ArrivesByteByByte) {
   const AravisConfig config = Config(GetParam());
-  std::vector<std::uint8_t> sent(static_cast<std::size_t>(64 * 48 * config.format.BitsPerPixel() / 8));
+  std::vector<std::uint8_t> sent(
+      static_cast<std::size_t>(64 * 48 * config.format.BitsPerPixel() / 8));
   const bool words = config.format.layout == PixelLayout::kWords;
   for (std::size_t i = 0; i < sent.size(); ++i)  // low bytes, and high ones within the bits
     sent[i] = static_cast<std::uint8_t>(words && i % 2 == 1 ? i % (1u << (config.format.bits - 8))
@@ -117,8 +119,7 @@ TEST(AravisCamera, StalePicturesAreNotTaken) {
     const int number = ++pictures;
     std::fill_n(picture.data, picture.bytes, static_cast<std::uint8_t>(number));
     if (number == 2)
-      arv_buffer_set_timestamp(picture.buffer,
-                               arv_buffer_get_timestamp(picture.buffer) - 50000000);
+      arv_buffer_set_timestamp(picture.buffer, arv_buffer_get_timestamp(picture.buffer) - 50000000);
   });
   AravisCamera camera(Config("Mono8"));
   ASSERT_TRUE(camera.Open(Now()));
@@ -139,9 +140,9 @@ class OwnClock {
  public:
   explicit OwnClock(std::int64_t ticks_per_second) : ticks_per_second_(ticks_per_second) {}
   std::int64_t Now() const {
-    return 777000000000 + static_cast<std::int64_t>(
-                              static_cast<double>(g_get_monotonic_time()) * 1e-6 *
-                              static_cast<double>(ticks_per_second_) * 1.00005);
+    return 777000000000 +
+           static_cast<std::int64_t>(static_cast<double>(g_get_monotonic_time()) * 1e-6 *
+                                     static_cast<double>(ticks_per_second_) * 1.00005);
   }
   void Stamp(const FakeCamera::Picture& picture) const {
     Ramp(picture);
@@ -192,8 +193,8 @@ TEST(AravisCamera, AClockWhoseFrequencyStandsInARegisterOnly) {
   TryOwnClock(description, 125000000);
 }
 
-// No latch, or one that runs unlike its stamps: what is known is told, and pictures that come sooner
-// than an exposure takes are not believed.
+// No latch, or one that runs unlike its stamps: what is known is told, and pictures that come
+// sooner than an exposure takes are not believed.
 TEST(AravisCamera, WithoutAClock) {
   const OwnClock clock(1000000000);
   std::atomic<bool> hasty = false;

@@ -20,9 +20,9 @@ Result<CameraDevice> Make(const std::string& yaml) {
 }
 
 TEST(AravisConfig, WhatAPlanMustKnow) {
-  const auto device =
-      Make("{id: SN1, pixel_format: BayerRG12p, roi: [8, 16, 640, 480], binning: [2, 2],"
-           " readout_ms: 80}");
+  const auto device = Make(
+      "{id: SN1, pixel_format: BayerRG12p, roi: [8, 16, 640, 480], binning: [2, 2],"
+      " readout_ms: 80}");
   ASSERT_TRUE(device) << device.error().text;
   EXPECT_EQ(device->format.size, cv::Size(640, 480));
   EXPECT_EQ(device->format.channels, 1);

@@ -1,6 +1,7 @@
 // Proves, with descriptions of our own on Aravis' simulated camera: older spellings do as well as
-// standard ones; what a camera may lack is left out and told in one line; a camera that lacks what is
-// needed, or that cannot be trusted, is refused with the reason. Does not prove: any maker's camera.
+// standard ones; what a camera may lack is left out and told in one line; a camera that lacks what
+// is needed, or that cannot be trusted, is refused with the reason. Does not prove: any maker's
+// camera.
 #include "rig/aravis/camera_settings.h"
 
 #include <gmock/gmock.h>
@@ -49,8 +50,8 @@ TEST(CameraSettings, EverythingIsAppliedAndReadBack) {
   EXPECT_EQ(fake.Read(0x8030), 17u);
   const CameraReport report = camera.Report();
   const auto applied = [](const char* feature, const char* value) {
-    return Contains(AllOf(Field(&AppliedSetting::feature, feature),
-                          Field(&AppliedSetting::value, value)));
+    return Contains(
+        AllOf(Field(&AppliedSetting::feature, feature), Field(&AppliedSetting::value, value)));
   };
   EXPECT_THAT(report.applied, applied("PixelFormat", "Mono16"));
   EXPECT_THAT(report.applied, applied("TriggerSource", "Software"));
@@ -103,9 +104,9 @@ TEST(CameraSettings, WithoutWhatIsOptional) {
   AravisCamera camera(Config("Mono8"));
   const auto opened = camera.Open(Now());
   ASSERT_TRUE(opened) << opened.error().text;
-  EXPECT_THAT(camera.TakeNotes(), testing::ElementsAre(AllOf(HasSubstr("ExposureAuto"),
-                                                             HasSubstr("BlackLevel"),
-                                                             HasSubstr("Gain"))));
+  EXPECT_THAT(camera.TakeNotes(),
+              testing::ElementsAre(
+                  AllOf(HasSubstr("ExposureAuto"), HasSubstr("BlackLevel"), HasSubstr("Gain"))));
   EXPECT_TRUE(Shoot(camera));
   EXPECT_TRUE(camera.Set({8000.0, 0.0}, Now()));
   EXPECT_THAT(camera.Set({8000.0, 3.0}, Now()).error().text, HasSubstr("the camera has no gain"));
@@ -147,7 +148,8 @@ TEST(CameraSettings, WhatCannotBeSet) {
   EXPECT_THAT(WhyNot(description), AllOf(HasSubstr("ExposureAuto"), HasSubstr("must be off")));
   AravisConfig config = Config("Mono8");
   config.size = {1000, 48};
-  EXPECT_THAT(WhyNot({}, config), HasSubstr("Width: 1000 was asked for, the camera allows 8 to 640"));
+  EXPECT_THAT(WhyNot({}, config),
+              HasSubstr("Width: 1000 was asked for, the camera allows 8 to 640"));
   config = Config("Mono8");
   config.black_level = 4.0;
   EXPECT_THAT(WhyNot({}, config), HasSubstr("no BlackLevel"));

@@ -1,7 +1,7 @@
-// Proves, with a camera in a process that is killed: the error comes within a second or so, nothing hangs,
-// neither a call nor the end of the program; after the camera is back it opens with its settings anew. A
-// second client, of this program or another, is refused and told who holds the camera. Does not prove:
-// cables.
+// Proves, with a camera in a process that is killed: the error comes within a second or so, nothing
+// hangs, neither a call nor the end of the program; after the camera is back it opens with its
+// settings anew. A second client, of this program or another, is refused and told who holds the
+// camera. Does not prove: cables.
 #include "rig/aravis/camera_worker.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
-// Proves: a stamp of a camera's clock becomes the host's time, whatever its offset and drift, to within
-// the time that the reading took; ticks become nanoseconds without overflow; an exposure is never put
-// outside trigger and arrival. Does not prove: that a camera stamps the begin of its exposure.
+// Proves: a stamp of a camera's clock becomes the host's time, whatever its offset and drift, to
+// within the time that the reading took; ticks become nanoseconds without overflow; an exposure is
+// never put outside trigger and arrival. Does not prove: that a camera stamps the begin of its
+// exposure.
 #include "rig/aravis/device_clock.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +17,8 @@ using namespace std::chrono_literals;
 struct CameraClock {
   Steady::time_point zero{};
   std::int64_t At(Steady::time_point host) const {
-    return 259200000000000 + static_cast<std::int64_t>(
-                                 static_cast<double>((host - zero).count()) * 1.00008);
+    return 259200000000000 +
+           static_cast<std::int64_t>(static_cast<double>((host - zero).count()) * 1.00008);
   }
   // Read somewhere between two looks at the host's clock.
   ClockSample Sample(Steady::time_point before, Steady::duration took, double where) const {

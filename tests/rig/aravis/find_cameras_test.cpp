@@ -45,9 +45,8 @@ TEST(FindCameras, NoneOfThatName) {
   const auto opened = camera.Open(Now());
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().kind, ErrorKind::kDevice);
-  EXPECT_THAT(opened.error().text,
-              AllOf(HasSubstr("no camera answers to \"12345678\""),
-                    HasSubstr("serial " + kSerial + ", at " + TestAddress())));
+  EXPECT_THAT(opened.error().text, AllOf(HasSubstr("no camera answers to \"12345678\""),
+                                         HasSubstr("serial " + kSerial + ", at " + TestAddress())));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Proves: only a whole picture whose id advances and that was stamped after the trigger answers it; ids
-// of 16 bits wrap, ids of 64 bits do not; one rising count comes out of both. Does not prove anything of
-// a camera's own stamps.
+// Proves: only a whole picture whose id advances and that was stamped after the trigger answers it;
+// ids of 16 bits wrap, ids of 64 bits do not; one rising count comes out of both. Does not prove
+// anything of a camera's own stamps.
 #include "rig/aravis/frame_judge.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
-// Proves, against bytes written by hand from the format's definition: each layout gives the values that
-// the bytes mean, with rows that end within a byte, and rows that are padded; too few bytes and values
-// beyond the depth are refused. Does not prove: that a camera sends what its format says.
+// Proves, against bytes written by hand from the format's definition: each layout gives the values
+// that the bytes mean, with rows that end within a byte, and rows that are padded; too few bytes
+// and values beyond the depth are refused. Does not prove: that a camera sends what its format
+// says.
 #include "rig/aravis/pixel_format.h"
 
 #include <gmock/gmock.h>
@@ -25,8 +26,7 @@ std::vector<int> Values(const std::string& name, const Bytes& bytes, cv::Size si
   const cv::Mat flat = picture->reshape(1, 1);
   std::vector<int> values;
   for (int i = 0; i < flat.cols; ++i)
-    values.push_back(flat.depth() == CV_8U ? flat.at<std::uint8_t>(i)
-                                           : flat.at<std::uint16_t>(i));
+    values.push_back(flat.depth() == CV_8U ? flat.at<std::uint8_t>(i) : flat.at<std::uint16_t>(i));
   return values;
 }
 
