@@ -1,5 +1,6 @@
 #include "app/drivers.h"
 
+#include "rig/aravis/aravis_camera.h"
 #include "rig/serial/serial_drivers.h"
 
 namespace turnlight::app {
@@ -10,7 +11,8 @@ const Drivers& BuiltInDrivers() {
                  {"grbl", RealDriver<rig::TableDevice>(rig::serial::MakeGrblTable)},
                  {"zaber", RealDriver<rig::TableDevice>(rig::serial::MakeZaberTable)},
                  {"smc100", RealDriver<rig::TableDevice>(rig::serial::MakeSmc100Table)}},
-      .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::sim::MakeMockCamera)}}};
+      .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::sim::MakeMockCamera)},
+                  {"aravis", RealDriver<rig::CameraDevice>(rig::aravis::MakeAravisCamera)}}};
   return kDrivers;
 }
 
