@@ -22,6 +22,7 @@ void AddRender(CLI::App& program, Action& action);
 void AddSimulate(CLI::App& program, Action& action);
 void AddSynthesize(CLI::App& program, Action& action);
 void AddVerify(CLI::App& program, Action& action);
+void AddCompare(CLI::App& program, Action& action);
 void AddConfig(CLI::App& program, Action& action);
 
 // A command with its help, an example below it, and --threads.

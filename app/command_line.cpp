@@ -33,6 +33,7 @@ void Configure(CLI::App& program, Action& action) {
   AddSimulate(program, action);
   AddSynthesize(program, action);
   AddVerify(program, action);
+  AddCompare(program, action);
   AddConfig(program, action);
 }
 
