@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/parallel.h"
 #include "rig/sim/mock_camera.h"
 
 namespace turnlight::rig::sim::gige {
@@ -23,6 +24,13 @@ class Complaint {
  private:
   GError* error_ = nullptr;
 };
+
+// The thread sanitizer does not know how TBB synchronises.
+class OneThread : public testing::Environment {
+  void SetUp() override { SetThreads(1); }
+};
+[[maybe_unused]] const testing::Environment* const kOneThread =
+    testing::AddGlobalTestEnvironment(new OneThread);
 
 constexpr unsigned kSocketBytes = 4'000'000;
 constexpr int kBuffers = 8;
