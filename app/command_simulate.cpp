@@ -157,7 +157,8 @@ void AddSimulate(CLI::App& program, Action& action) {
   command->add_option("--truth", arguments->truth, "Write the scene as truth.json, and end")
       ->type_name("FILE");
   command->add_flag("--quiet", arguments->quiet, "No line for each fault that strikes");
-  command->callback([arguments, &action] { action = [arguments] { return Simulate(*arguments); }; });
+  command->callback(
+      [arguments, &action] { action = [arguments] { return Simulate(*arguments); }; });
 }
 
 }  // namespace turnlight::app
