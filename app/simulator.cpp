@@ -73,17 +73,18 @@ DriverKeys DriverKeysOf(const stage::StageConfig& config) {
 }
 
 Result<rig::DeviceIdentity> IdentifyTable(stage::StageConfig config) {
-  auto [name, keys] = DriverKeysOf(config);
+  const DriverKeys own = DriverKeysOf(config);
   config.link = fs::temp_directory_path() / ("turnlight_identify_" + std::to_string(::getpid()));
   const auto& drivers = BuiltInDrivers().tables;
   const auto driver = std::find_if(drivers.begin(), drivers.end(),
-                                   [&](const auto& known) { return known.name == name; });
+                                   [&](const auto& known) { return known.name == own.driver; });
   if (driver == drivers.end() || driver->simulated())
-    return DeviceError("no driver " + name +
+    return DeviceError("no driver " + own.driver +
                        " in this program, so the table's identity is unknown");
   const auto controller =
       stage::StageSimulator::Start(config, nullptr, gige::GigeCamera::Clock::now());
   if (!controller) return Forward(controller);
+  nlohmann::json keys = own.keys;
   keys["port"] = config.link.string();
   const auto document = ParseJson(keys.dump(), "the driver's keys");
   if (!document) return Forward(document);

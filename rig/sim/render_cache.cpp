@@ -10,8 +10,9 @@ std::size_t BytesOf(const cv::Mat& picture) { return picture.total() * picture.e
 
 }  // namespace
 
-RenderCache::RenderCache(std::shared_ptr<const Studio> studio, Motion motion, std::size_t max_bytes)
-    : studio_(std::move(studio)), motion_(std::move(motion)), max_bytes_(max_bytes) {}
+RenderCache::RenderCache(std::shared_ptr<const Studio> studio, const Motion& motion,
+                         std::size_t max_bytes)
+    : studio_(std::move(studio)), motion_(motion), max_bytes_(max_bytes) {}
 
 cv::Mat3f RenderCache::Radiance(double angle_deg, bool lit) {
   std::unique_lock lock(mutex_);

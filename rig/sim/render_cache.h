@@ -17,7 +17,7 @@ namespace turnlight::rig::sim {
 class RenderCache {
  public:
   // What was asked for longest ago goes first, once all is larger than max_bytes; the newest stays.
-  RenderCache(std::shared_ptr<const Studio> studio, Motion motion, std::size_t max_bytes);
+  RenderCache(std::shared_ptr<const Studio> studio, const Motion& motion, std::size_t max_bytes);
 
   // Linear radiance, noise-free, of the scene at that true angle. Not to be written to.
   cv::Mat3f Radiance(double angle_deg, bool lit);

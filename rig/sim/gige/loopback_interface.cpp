@@ -6,6 +6,7 @@
 #include <net/if.h>
 #include <netinet/in.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 
