@@ -1,0 +1,162 @@
+#include "estimator/results/reported_result.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "base/strict_object.h"
+
+namespace turnlight::estimator::results {
+namespace {
+
+// Everything of a result but its method may be null, where the data do not determine it.
+std::optional<double> NumberOrNull(StrictObject& object, const std::string& key) {
+  if (object.Has(key) && object.Raw(key).is_null()) return std::nullopt;
+  return object.OptionalNumber(key);
+}
+
+MeasuredValue MeasuredOf(StrictObject& values, const std::string& key, StrictObject& sigmas,
+                         const std::string& sigma_key) {
+  return {NumberOrNull(values, key), NumberOrNull(sigmas, sigma_key)};
+}
+
+// [r, g, b] of numbers or nulls; nothing of a missing or null list.
+std::array<std::optional<double>, 3> ThreeOrNull(StrictObject& object, const std::string& key,
+                                                 const nlohmann::json& list) {
+  std::array<std::optional<double>, 3> three;
+  if (list.is_null()) return three;
+  if (!list.is_array() || list.size() != three.size()) {
+    object.Refuse(key, "a list of 3 numbers or nulls");
+    return three;
+  }
+  for (std::size_t i = 0; i < three.size(); ++i) {
+    if (list[i].is_number())
+      three[i] = list[i].get<double>();
+    else if (!list[i].is_null())
+      object.Refuse(key, "a list of 3 numbers or nulls");
+  }
+  return three;
+}
+
+MeasuredColour ColourOf(StrictObject& values, const std::string& key, StrictObject& sigmas,
+                        const std::string& sigma_key) {
+  const auto value = ThreeOrNull(values, key, values.Raw(key));
+  const auto sigma = ThreeOrNull(sigmas, sigma_key, sigmas.Raw(sigma_key));
+  MeasuredColour colour;
+  for (std::size_t i = 0; i < colour.size(); ++i) colour[i] = {value[i], sigma[i]};
+  return colour;
+}
+
+Result<ReportedLight> ReadReportedLight(StrictObject object) {
+  ReportedLight light;
+  const std::vector<double> direction = object.Numbers("direction", 3);
+  light.direction = Eigen::Vector3d(direction[0], direction[1], direction[2]);
+  if (object.ok() && !(light.direction.stableNorm() > 1e-100))
+    object.RefuseText("direction", "it has no length, allowed is any other vector");
+  if (object.ok()) light.direction = light.direction.stableNormalized();
+  light.direction_sigma_deg = NumberOrNull(object, "direction_sigma_deg");
+  light.inverse_distance =
+      MeasuredOf(object, "inverse_distance", object, "inverse_distance_sigma");
+  light.distance = MeasuredOf(object, "distance", object, "distance_sigma");
+  light.intensity = MeasuredOf(object, "intensity", object, "intensity_sigma");
+  if (const auto colour = object.OptionalNumbers("color", 3))
+    light.colour = {(*colour)[0], (*colour)[1], (*colour)[2]};
+  object.AllowUnknown();
+  if (Status status = object.Finish(); !status) return Forward(status);
+  return light;
+}
+
+Status ReadReportedModel(StrictObject object, ReportedResult& result) {
+  result.diffuse_model = object.String("diffuse");
+  result.specular_model = object.String("specular");
+  result.albedo_model = object.OptionalString("albedo").value_or("uniform");
+  const nlohmann::json& near = object.Raw("near");
+  if (!near.is_array() || near.size() != result.lights.size())
+    object.Refuse("near", "a list of true or false, one for each light");
+  else
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      if (!near[i].is_boolean())
+        object.Refuse("near", "a list of true or false, one for each light");
+      else
+        result.lights[i].near = near[i].get<bool>();
+    }
+  object.AllowUnknown();
+  return object.Finish();
+}
+
+Status ReadReportedReflectance(StrictObject object, ReportedResult& result) {
+  StrictObject sigma = object.Object("sigma");
+  result.albedo = ColourOf(object, "albedo", sigma, "albedo");
+  result.ambient = MeasuredOf(object, "ambient", sigma, "ambient");
+  result.diffuse = MeasuredOf(object, "diffuse", sigma, "diffuse");
+  result.specular = MeasuredOf(object, "specular", sigma, "specular");
+  result.shininess = MeasuredOf(object, "shininess", sigma, "shininess");
+  result.roughness_deg = MeasuredOf(object, "roughness_deg", sigma, "roughness_deg");
+  sigma.AllowUnknown();
+  object.AllowUnknown();
+  const Status status = sigma.Finish();
+  return status ? object.Finish() : status;
+}
+
+// The i-th element of a list; null of a missing list.
+const nlohmann::json& Element(StrictObject& object, const std::string& key, std::size_t i,
+                              std::size_t count) {
+  static const nlohmann::json null;
+  const nlohmann::json& list = object.Raw(key);
+  if (list.is_null()) return null;
+  if (list.is_array() && list.size() == count) return list[i];
+  object.Refuse(key, "a list with one element for each light");
+  return null;
+}
+
+Status ReadProducts(StrictObject object, ReportedResult& result) {
+  result.ambient_product = ColourOf(object, "ambient", object, "ambient_sigma");
+  const std::size_t count = result.lights.size();
+  const auto number = [&](const std::string& key, std::size_t i) {
+    const nlohmann::json& value = Element(object, key, i, count);
+    if (!value.is_null() && !value.is_number()) object.Refuse(key, "a list of numbers or nulls");
+    return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    ReportedLight& light = result.lights[i];
+    const auto value = ThreeOrNull(object, "diffuse", Element(object, "diffuse", i, count));
+    const auto sigma =
+        ThreeOrNull(object, "diffuse_sigma", Element(object, "diffuse_sigma", i, count));
+    for (std::size_t c = 0; c < value.size(); ++c) light.diffuse_product[c] = {value[c], sigma[c]};
+    light.specular_product = {number("specular", i), number("specular_sigma", i)};
+  }
+  object.AllowUnknown();
+  return object.Finish();
+}
+
+}  // namespace
+
+Result<ReportedResult> ParseReportedResult(const std::string& text, const std::string& file) {
+  const auto document = ParseJson(text, file);
+  if (!document) return Forward(document);
+  StrictObject object(*document);
+  object.Choice("format", {"turnlight-result"});
+  object.Integer("version", 1, 1);
+  ReportedResult result;
+  result.method = object.String("method");
+  for (StrictObject& entry : object.Objects("lights", 0)) {
+    auto light = ReadReportedLight(std::move(entry));
+    if (!light) return Forward(light);
+    result.lights.push_back(std::move(*light));
+  }
+  StrictObject model = object.Object("model");
+  StrictObject reflectance = object.Object("reflectance");
+  StrictObject products = object.Object("products");
+  StrictObject residual = object.Object("residual");
+  object.AllowUnknown();
+  if (Status status = object.Finish(); !status) return Forward(status);
+  if (Status status = ReadReportedModel(std::move(model), result); !status) return Forward(status);
+  if (Status status = ReadReportedReflectance(std::move(reflectance), result); !status)
+    return Forward(status);
+  if (Status status = ReadProducts(std::move(products), result); !status) return Forward(status);
+  result.rms = residual.Number("rms");
+  residual.AllowUnknown();
+  if (Status status = residual.Finish(); !status) return Forward(status);
+  return result;
+}
+
+}  // namespace turnlight::estimator::results

@@ -1,0 +1,42 @@
+// What a result.json says, as values: what `turnlight compare` looks at. Keys that are not known
+// are passed over (result_json.h has the rule).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/comparison.h"
+#include "base/result.h"
+
+namespace turnlight::estimator::results {
+
+// R, G, B.
+using MeasuredColour = std::array<MeasuredValue, 3>;
+
+struct ReportedLight {
+  bool near = false;
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit, from W's origin
+  std::optional<double> direction_sigma_deg;
+  MeasuredValue inverse_distance, distance, intensity;
+  std::optional<std::array<double, 3>> colour;  // nothing: white
+  MeasuredColour diffuse_product;
+  MeasuredValue specular_product;
+};
+
+struct ReportedResult {
+  std::string method, diffuse_model, specular_model, albedo_model;
+  std::vector<ReportedLight> lights;  // in the file's order: strongest first
+  MeasuredColour albedo;
+  MeasuredValue ambient, diffuse, specular, shininess, roughness_deg;
+  MeasuredColour ambient_product;
+  double rms = 0.0;
+};
+
+// file is only for messages. Fails (kInput): no result of version 1, a key that is missing or of
+// the wrong kind, lists that do not have an element for each light.
+Result<ReportedResult> ParseReportedResult(const std::string& text, const std::string& file);
+
+}  // namespace turnlight::estimator::results
