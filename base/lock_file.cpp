@@ -22,6 +22,19 @@ std::string DescribeThisProcess() {
          ") on host " + host.data() + " since " + UtcNow();
 }
 
+constexpr int kOpenFlags = O_RDWR | O_CLOEXEC | O_NOFOLLOW;
+
+int OpenOwn(const char* path, FileOps& ops) { return ops.Open(path, kOpenFlags | O_CREAT, 0644); }
+
+// Writable by everyone, whatever the umask. Another user's file in a folder like /tmp may not be
+// opened with O_CREAT, even by root (fs.protected_regular).
+int OpenForAll(const char* path, FileOps& ops) {
+  const int fd = ops.Open(path, kOpenFlags | O_CREAT, 0666);
+  if (fd < 0) return errno == EACCES ? ops.Open(path, kOpenFlags, 0) : fd;
+  ops.ChangeMode(fd, 0666);  // fails on a file of another user that is open to all already
+  return fd;
+}
+
 // The lock counts only on the file that the path names: another process may have removed it between
 // our opening and locking it.
 bool IsTheFileAt(int fd, const std::filesystem::path& path) {
@@ -46,8 +59,22 @@ std::string ReadHolder(const std::filesystem::path& path) {
 
 Result<LockFile> LockFile::Take(const std::filesystem::path& path, const std::string& what,
                                 FileOps& ops) {
+  return TakeBy(OpenOwn, path, what, ops);
+}
+
+Result<LockFile> LockFile::TakeForAll(const std::string& name, const std::string& what,
+                                      FileOps& ops) {
+  struct stat run {};
+  const bool has_run = ::stat("/run/lock", &run) == 0 && S_ISDIR(run.st_mode) &&
+                       (run.st_mode & S_IWOTH) != 0;
+  return TakeBy(OpenForAll, std::filesystem::path(has_run ? "/run/lock" : "/tmp") / name, what,
+                ops);
+}
+
+Result<LockFile> LockFile::TakeBy(Opener open, const std::filesystem::path& path,
+                                  const std::string& what, FileOps& ops) {
   while (true) {
-    const int fd = ops.Open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    const int fd = open(path.c_str(), ops);
     if (fd < 0) return SystemError(path.string() + ": cannot open: " + std::strerror(errno));
     if (ops.Lock(fd) != 0) {
       const int reason = errno;

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -62,6 +63,27 @@ TEST_F(LockFileTest, HeldByAnotherProcessUntilItDies) {
   ::waitpid(child, nullptr, 0);
   EXPECT_TRUE(fs::exists(path_));
   EXPECT_TRUE(Take());
+}
+
+// An ordinary user (here the child, if this runs as root) and its file, which root takes over.
+TEST_F(LockFileTest, ForAllUsersOfTheMachine) {
+  const std::string name = "turnlight_test." + std::to_string(::getpid()) + ".lock";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::getuid() == 0 && ::setuid(65534) != 0) ::_exit(2);
+    ::umask(077);
+    const auto lock = LockFile::TakeForAll(name, "port: in use");
+    ::_exit(lock ? 0 : 1);  // without removing the file
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  const auto lock = LockFile::TakeForAll(name, "port: in use");
+  ASSERT_TRUE(lock) << lock.error().text;
+  const auto second = LockFile::TakeForAll(name, "port: in use");
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().text,
+              HasSubstr("port: in use: process " + std::to_string(::getpid()) + " ("));
 }
 
 TEST_F(LockFileTest, NowhereToPutIt) {

@@ -1,0 +1,139 @@
+#include "rig/aravis/aravis_camera.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace turnlight::rig::aravis {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Longer than the 4 s of a search, an address where nobody is, and the first pictures.
+constexpr milliseconds kFirstOpen(15000);
+constexpr milliseconds kPatience(1000);
+// Ending in order takes milliseconds; with a dead camera nobody waits for it.
+constexpr milliseconds kEnd(500);
+
+Error NotOpen(const std::string& id) {
+  return Error{ErrorKind::kDevice, "camera \"" + id + "\": not open"};
+}
+
+}  // namespace
+
+AravisCamera::AravisCamera(AravisConfig config)
+    : id_(config.id), worker_(CameraWorker::Begin(std::move(config))) {}
+
+AravisCamera::~AravisCamera() { worker_->End(kEnd); }
+
+void AravisCamera::Hear(DeviceTime now) {
+  const DeviceTime offset = now - std::chrono::duration_cast<DeviceTime>(
+                                      Steady::now().time_since_epoch());
+  offset_ = std::max(offset_.value_or(offset), offset);
+}
+
+DeviceTime AravisCamera::ToCapture(Steady::time_point time) const {
+  return std::chrono::duration_cast<DeviceTime>(time.time_since_epoch()) +
+         offset_.value_or(DeviceTime(0));
+}
+
+tl::unexpected<Error> AravisCamera::Silent() {
+  open_ = false;
+  return DeviceError("camera \"" + id_ + "\": does not answer");
+}
+
+template <typename F>
+auto AravisCamera::Do(F job) -> std::invoke_result_t<F, CameraWorker&> {
+  if (!open_) return tl::unexpected<Error>(NotOpen(id_));
+  auto handed = worker_->Hand(std::move(job));
+  if (handed.WaitUntil(Steady::now() + kPatience)) return handed.result.get();
+  *handed.cancelled = true;
+  return Silent();
+}
+
+Result<DeviceIdentity> AravisCamera::Open(DeviceTime now) {
+  Hear(now);
+  open_ = false;
+  const Steady::time_point until =
+      Steady::now() + (opened_before_ ? kPatience : kFirstOpen);
+  // What an earlier call began and did not wait for may have come to something; if it failed, that
+  // says nothing of now.
+  bool earlier = opening_.has_value();
+  while (true) {
+    if (!opening_)
+      opening_ = worker_->Hand([](CameraWorker& worker) { return worker.Reopen(); });
+    if (!opening_->WaitUntil(until))
+      return DeviceError("camera \"" + id_ + "\": " +
+                         (opened_before_ ? "is not back yet" : "did not open in time"));
+    auto identity = opening_->result.get();
+    opening_.reset();
+    if (identity) {
+      opened_before_ = open_ = true;
+      ids_.Reconnected();
+    }
+    if (identity || !std::exchange(earlier, false)) return identity;
+  }
+}
+
+Result<CameraSettings> AravisCamera::Set(const CameraSettings& settings, DeviceTime now) {
+  Hear(now);
+  return Do([settings](CameraWorker& worker) -> Result<CameraSettings> {
+    return worker.session()->Set(settings);
+  });
+}
+
+Result<int> AravisCamera::Drain(DeviceTime now) {
+  Hear(now);
+  return Do([](CameraWorker& worker) -> Result<int> {
+    worker.ForgetShot();
+    return worker.session()->Drain();
+  });
+}
+
+Result<std::uint64_t> AravisCamera::Trigger(DeviceTime now) {
+  Hear(now);
+  const Status sent = Do([](CameraWorker& worker) -> Status {
+    worker.ForgetShot();
+    return worker.session()->Trigger();
+  });
+  if (!sent) return Forward(sent);
+  return ++triggers_;
+}
+
+Result<std::optional<RawFrame>> AravisCamera::Poll(DeviceTime now) {
+  Hear(now);
+  if (!open_) return tl::unexpected<Error>(NotOpen(id_));
+  auto shot = worker_->TakeShot();
+  if (!shot) {
+    if (worker_->Busy() > kPatience) return Silent();
+    return std::optional<RawFrame>();
+  }
+  if (!*shot) return DeviceError("camera \"" + id_ + "\": " + shot->error().text);
+  ShotFrame& frame = **shot;
+  return RawFrame{std::move(frame.image),     ids_.Next(frame.id),
+                  triggers_,                  ToCapture(frame.span.begin),
+                  ToCapture(frame.span.end),  frame.actual,
+                  true};
+}
+
+std::vector<std::string> AravisCamera::TakeNotes() { return worker_->TakeNotes(); }
+
+std::vector<DeviceReading> AravisCamera::Readings() { return worker_->Report().readings; }
+
+CameraReport AravisCamera::Report() const { return worker_->Report(); }
+
+Result<CameraDevice> MakeAravisCamera(StrictObject keys) {
+  auto config = ReadAravisConfig(std::move(keys));
+  if (!config) return Forward(config);
+  CameraDevice device;
+  const PixelFormat& format = config->format;
+  device.format = {config->size, format.Channels(), format.Depth()};
+  device.bayer = format.bayer;
+  device.binning = config->binning;
+  for (std::size_t i = 0; i < 2; ++i)
+    device.roi_offset[i] = config->offset[i] * config->binning[i];
+  device.readout_s = 1e-3 * config->readout_ms;
+  device.camera = std::make_shared<AravisCamera>(std::move(*config));
+  return device;
+}
+
+}  // namespace turnlight::rig::aravis
