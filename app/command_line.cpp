@@ -33,6 +33,11 @@ void Configure(CLI::App& program, Action& action) {
   AddSynthesize(program, action);
   AddVerify(program, action);
   AddConfig(program, action);
+  AddDevices(program, action);
+  AddHome(program, action);
+  AddJog(program, action);
+  AddSnap(program, action);
+  AddDoctor(program, action);
 }
 
 // The command that the line got to, "config show" for example.

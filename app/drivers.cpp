@@ -1,5 +1,6 @@
 #include "app/drivers.h"
 
+#include "rig/aravis/aravis_camera.h"
 #include "rig/serial/serial_drivers.h"
 
 namespace turnlight::app {
@@ -8,7 +9,8 @@ const Drivers& BuiltInDrivers() {
   static const Drivers kDrivers{
       .tables = {{"mock", SimulatedDriver<rig::TableDevice>(rig::sim::MakeMockTable)},
                  {"grbl", RealDriver<rig::TableDevice>(rig::serial::MakeGrblTable)}},
-      .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::sim::MakeMockCamera)}}};
+      .cameras = {{"mock", SimulatedDriver<rig::CameraDevice>(rig::sim::MakeMockCamera)},
+                  {"aravis", RealDriver<rig::CameraDevice>(rig::aravis::MakeAravisCamera)}}};
   return kDrivers;
 }
 

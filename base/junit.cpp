@@ -80,8 +80,8 @@ std::string JunitXml(const std::string& suite, const std::vector<JunitCase>& cas
                              std::to_string(cases.size()) + "\" failures=\"" +
                              count(JunitOutcome::kFailed) + "\" errors=\"0\" skipped=\"" +
                              count(JunitOutcome::kSkipped) + "\" time=\"0\"";
-  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite " +
-                    totals + ">\n";
+  std::string xml =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite " + totals + ">\n";
   for (const JunitCase& test : cases) xml += CaseXml(test);
   return xml + "</testsuite>\n</testsuites>\n";
 }

@@ -12,7 +12,8 @@ struct JunitCase {
   std::string group;  // CI systems list the cases of a group ("classname") together
   std::string name;
   JunitOutcome outcome = JunitOutcome::kPassed;
-  std::string text;  // of a failed case: what was measured against what is allowed; of others: words
+  std::string
+      text;  // of a failed case: what was measured against what is allowed; of others: words
 };
 
 // The text of the file. Any text is fine: what XML reserves is escaped, and what it cannot hold

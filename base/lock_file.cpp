@@ -65,8 +65,8 @@ Result<LockFile> LockFile::Take(const std::filesystem::path& path, const std::st
 Result<LockFile> LockFile::TakeForAll(const std::string& name, const std::string& what,
                                       FileOps& ops) {
   struct stat run {};
-  const bool has_run = ::stat("/run/lock", &run) == 0 && S_ISDIR(run.st_mode) &&
-                       (run.st_mode & S_IWOTH) != 0;
+  const bool has_run =
+      ::stat("/run/lock", &run) == 0 && S_ISDIR(run.st_mode) && (run.st_mode & S_IWOTH) != 0;
   return TakeBy(OpenForAll, std::filesystem::path(has_run ? "/run/lock" : "/tmp") / name, what,
                 ops);
 }

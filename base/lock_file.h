@@ -17,8 +17,8 @@ class LockFile {
   // what begins the message: "DIR: another capture is writing here".
   static Result<LockFile> Take(const std::filesystem::path& path, const std::string& what,
                                FileOps& ops = SystemFileOps());
-  // The same among all users of this machine, root or not: name is that of a file in /run/lock, or in
-  // /tmp where there is none. A file that another user left behind is taken over, and stays.
+  // The same among all users of this machine, root or not: name is that of a file in /run/lock, or
+  // in /tmp where there is none. A file that another user left behind is taken over, and stays.
   static Result<LockFile> TakeForAll(const std::string& name, const std::string& what,
                                      FileOps& ops = SystemFileOps());
   ~LockFile();  // removes the file and releases

@@ -54,8 +54,7 @@ Result<ReportedLight> ReadReportedLight(StrictObject object) {
     object.RefuseText("direction", "it has no length, allowed is any other vector");
   if (object.ok()) light.direction = light.direction.stableNormalized();
   light.direction_sigma_deg = NumberOrNull(object, "direction_sigma_deg");
-  light.inverse_distance =
-      MeasuredOf(object, "inverse_distance", object, "inverse_distance_sigma");
+  light.inverse_distance = MeasuredOf(object, "inverse_distance", object, "inverse_distance_sigma");
   light.distance = MeasuredOf(object, "distance", object, "distance_sigma");
   light.intensity = MeasuredOf(object, "intensity", object, "intensity_sigma");
   if (const auto colour = object.OptionalNumbers("color", 3))

@@ -26,8 +26,8 @@ AravisCamera::AravisCamera(AravisConfig config)
 AravisCamera::~AravisCamera() { worker_->End(kEnd); }
 
 void AravisCamera::Hear(DeviceTime now) {
-  const DeviceTime offset = now - std::chrono::duration_cast<DeviceTime>(
-                                      Steady::now().time_since_epoch());
+  const DeviceTime offset =
+      now - std::chrono::duration_cast<DeviceTime>(Steady::now().time_since_epoch());
   offset_ = std::max(offset_.value_or(offset), offset);
 }
 
@@ -53,17 +53,15 @@ auto AravisCamera::Do(F job) -> std::invoke_result_t<F, CameraWorker&> {
 Result<DeviceIdentity> AravisCamera::Open(DeviceTime now) {
   Hear(now);
   open_ = false;
-  const Steady::time_point until =
-      Steady::now() + (opened_before_ ? kPatience : kFirstOpen);
+  const Steady::time_point until = Steady::now() + (opened_before_ ? kPatience : kFirstOpen);
   // What an earlier call began and did not wait for may have come to something; if it failed, that
   // says nothing of now.
   bool earlier = opening_.has_value();
   while (true) {
-    if (!opening_)
-      opening_ = worker_->Hand([](CameraWorker& worker) { return worker.Reopen(); });
+    if (!opening_) opening_ = worker_->Hand([](CameraWorker& worker) { return worker.Reopen(); });
     if (!opening_->WaitUntil(until))
-      return DeviceError("camera \"" + id_ + "\": " +
-                         (opened_before_ ? "is not back yet" : "did not open in time"));
+      return DeviceError("camera \"" + id_ +
+                         "\": " + (opened_before_ ? "is not back yet" : "did not open in time"));
     auto identity = opening_->result.get();
     opening_.reset();
     if (identity) {
@@ -109,10 +107,9 @@ Result<std::optional<RawFrame>> AravisCamera::Poll(DeviceTime now) {
   }
   if (!*shot) return DeviceError("camera \"" + id_ + "\": " + shot->error().text);
   ShotFrame& frame = **shot;
-  return RawFrame{std::move(frame.image),     ids_.Next(frame.id),
-                  triggers_,                  ToCapture(frame.span.begin),
-                  ToCapture(frame.span.end),  frame.actual,
-                  true};
+  return RawFrame{
+      std::move(frame.image),    ids_.Next(frame.id), triggers_, ToCapture(frame.span.begin),
+      ToCapture(frame.span.end), frame.actual,        true};
 }
 
 std::vector<std::string> AravisCamera::TakeNotes() { return worker_->TakeNotes(); }
@@ -129,8 +126,7 @@ Result<CameraDevice> MakeAravisCamera(StrictObject keys) {
   device.format = {config->size, format.Channels(), format.Depth()};
   device.bayer = format.bayer;
   device.binning = config->binning;
-  for (std::size_t i = 0; i < 2; ++i)
-    device.roi_offset[i] = config->offset[i] * config->binning[i];
+  for (std::size_t i = 0; i < 2; ++i) device.roi_offset[i] = config->offset[i] * config->binning[i];
   device.readout_s = 1e-3 * config->readout_ms;
   device.camera = std::make_shared<AravisCamera>(std::move(*config));
   return device;

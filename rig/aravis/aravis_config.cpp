@@ -61,9 +61,8 @@ Result<AravisConfig> ReadAravisConfig(StrictObject keys) {
     config.packet_size = static_cast<int>(*bytes);
   config.packet_resend = keys.OptionalBoolean("packet_resend").value_or(config.packet_resend);
   config.packet_socket = keys.OptionalBoolean("packet_socket").value_or(config.packet_socket);
-  config.socket_buffer_kb =
-      static_cast<int>(keys.OptionalInteger("socket_buffer_kb", 64, 1000000)
-                           .value_or(config.socket_buffer_kb));
+  config.socket_buffer_kb = static_cast<int>(
+      keys.OptionalInteger("socket_buffer_kb", 64, 1000000).value_or(config.socket_buffer_kb));
   if (Status status = keys.Finish(); !status) return Forward(status);
   return config;
 }

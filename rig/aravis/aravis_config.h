@@ -22,7 +22,7 @@ struct AravisConfig {
   // Gain is in dB. A camera whose gain is a whole number without a unit (GainRaw) needs this for
   // other gains than 0, which is the smallest raw value.
   std::optional<double> gain_raw_step_db;
-  double readout_ms = 50.0;        // from the end of an exposure to its picture, about
+  double readout_ms = 50.0;  // from the end of an exposure to its picture, about
   // Of GigE Vision.
   std::optional<int> packet_size;  // bytes; negotiated if not given, 9000 on loopback
   bool packet_resend = true;       // asks again for lost packets

@@ -99,8 +99,7 @@ Status CameraSession::TakeTrial() {
     if (const auto ticks = clock_.ReadTicks(features_)) second = *ticks;
   const auto between = [&](const ClockSample& sample) {
     const Steady::time_point stamp = HostTime(sample, last_frame_->stamp_ns);
-    return stamp >= last_trigger_.sent - kStampSlack &&
-           stamp <= last_frame_->arrived + kStampSlack;
+    return stamp >= last_trigger_.sent - kStampSlack && stamp <= last_frame_->arrived + kStampSlack;
   };
   if (second && clock_.Calibrate(*first, *second)) {
     second->device_ns = NanosecondsOfTicks(second->device_ns, clock_.ticks_per_second());
@@ -130,7 +129,8 @@ Status CameraSession::CheckQuiet() {
   while (stream_->Pop(kQuiet)) {
     if (++trials == kQuietTrials)
       return DeviceError(
-          "it sends pictures that nobody triggered, with TriggerMode On: they could not be bound to "
+          "it sends pictures that nobody triggered, with TriggerMode On: they could not be bound "
+          "to "
           "an angle");
     std::this_thread::sleep_for(kQuiet);
     stream_->Drain();
@@ -147,7 +147,8 @@ Status CameraSession::CheckControl() {
   ArvDevice* device = arv_camera_get_device(connection_.camera.get());
   if (!ARV_IS_GV_DEVICE(device) || arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return {};
   features_.Lose();
-  return DeviceError("control was lost: the camera was silent for too long, or another client took it");
+  return DeviceError(
+      "control was lost: the camera was silent for too long, or another client took it");
 }
 
 Result<CameraSettings> CameraSession::Set(const CameraSettings& settings) {
@@ -243,8 +244,8 @@ Result<std::optional<ShotFrame>> CameraSession::Judge(const FrameStream::Buffer&
   }
   if (answer == FrameAnswer::kBroken) {
     ++counters_.broken;
-    const Status again = TriggerAgain(
-        Format("packets of the picture were lost (status %d)", arv_buffer_get_status(buffer.get())));
+    const Status again = TriggerAgain(Format("packets of the picture were lost (status %d)",
+                                             arv_buffer_get_status(buffer.get())));
     if (!again) return Forward(again);
     return none;
   }
@@ -263,13 +264,13 @@ Result<ShotFrame> CameraSession::Accept(ArvBuffer* buffer, const ArrivedFrame& a
   const cv::Size size(arv_buffer_get_image_width(buffer), arv_buffer_get_image_height(buffer));
   const ArvPixelFormat code = arv_buffer_get_image_pixel_format(buffer);
   if (size != size_ || code != format_.code)
-    return DeviceError(Format("a picture of %d x %d in format 0x%08x came, asked was %d x %d in "
-                              "0x%08x (%s)",
-                              size.width, size.height, code, size_.width, size_.height, format_.code,
-                              format_.name.c_str()));
+    return DeviceError(
+        Format("a picture of %d x %d in format 0x%08x came, asked was %d x %d in "
+               "0x%08x (%s)",
+               size.width, size.height, code, size_.width, size_.height, format_.code,
+               format_.name.c_str()));
   std::size_t bytes = 0;
-  const auto* data =
-      static_cast<const std::uint8_t*>(arv_buffer_get_image_data(buffer, &bytes));
+  const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(buffer, &bytes));
   int x_padding = 0, y_padding = 0;
   arv_buffer_get_image_padding(buffer, &x_padding, &y_padding);
   auto image = Unpack(std::span(data, bytes), size, x_padding, format_);
@@ -281,8 +282,8 @@ Result<ShotFrame> CameraSession::Accept(ArvBuffer* buffer, const ArrivedFrame& a
 }
 
 CameraReport CameraSession::Report() {
-  CameraReport report{identity(),         record_.applied,       record_.missing, settings_,
-                      ClockWord(source_), stream_->packet_size(), counters_,      {}};
+  CameraReport report{identity(),         record_.applied,        record_.missing, settings_,
+                      ClockWord(source_), stream_->packet_size(), counters_,       {}};
   if (!temperature_.empty())
     if (const auto degrees = features_.Number(temperature_))
       report.readings.push_back({temperature_, *degrees});

@@ -1,11 +1,12 @@
 // An open camera and its single shots. Lives on one thread, where each call may take as long as
-// Aravis waits for a camera that does not answer; aravis_camera.h keeps that away from everyone else.
+// Aravis waits for a camera that does not answer; aravis_camera.h keeps that away from everyone
+// else.
 //
-// A shot: take the time, trigger, and take the first picture that answers (frame_judge.h). A picture
-// with lost packets is triggered again, at most five triggers in all; so is a trigger that is
-// acknowledged and not answered, three in all. An acknowledgement that comes late means that Aravis
-// sent the command again: the camera may take two pictures then, so all are thrown away and a new
-// trigger follows.
+// A shot: take the time, trigger, and take the first picture that answers (frame_judge.h). A
+// picture with lost packets is triggered again, at most five triggers in all; so is a trigger that
+// is acknowledged and not answered, three in all. An acknowledgement that comes late means that
+// Aravis sent the command again: the camera may take two pictures then, so all are thrown away and
+// a new trigger follows.
 #pragma once
 
 #include <chrono>

@@ -74,7 +74,8 @@ Status ApplyRegion(Features& features, const AravisConfig& config, SettingsRecor
   if (Status set = ApplyBinning(features, config, record); !set) return set;
   const char* names[] = {"Width", "Height"};
   for (std::size_t i = 0; i < 2; ++i) {
-    if (!features.Has(names[i])) return DeviceError(Missing(names[i], "its pictures' size is open"));
+    if (!features.Has(names[i]))
+      return DeviceError(Missing(names[i], "its pictures' size is open"));
     if (Status set = SetExactly(features, names[i], sides[i], record); !set) return set;
   }
   for (std::size_t i = 0; i < 2; ++i) {
@@ -213,11 +214,9 @@ Status FindRawGain(Features& features, const AravisConfig& config, ExposureContr
   const auto bounds = features.Bounds(control.gain);
   if (!bounds) return Forward(bounds);
   control.gain_at_zero_db = bounds->min;
-  record.notes.push_back(control.gain + " is not in dB; 0 dB means its smallest value, " +
-                         NumberText(bounds->min) +
-                         (config.gain_raw_step_db
-                              ? ""
-                              : ", and other gains need gain_raw_step_db in the config"));
+  record.notes.push_back(
+      control.gain + " is not in dB; 0 dB means its smallest value, " + NumberText(bounds->min) +
+      (config.gain_raw_step_db ? "" : ", and other gains need gain_raw_step_db in the config"));
   return {};
 }
 

@@ -1,5 +1,5 @@
-// What a camera is set to: once, when it is opened, all that makes its pictures linear and repeatable;
-// then exposure and gain, for every picture. Everything is read back.
+// What a camera is set to: once, when it is opened, all that makes its pictures linear and
+// repeatable; then exposure and gain, for every picture. Everything is read back.
 //
 // Standard names (SFNC) with their older spellings. A camera that lacks what is needed is refused
 // with a reason; what it may lack is gathered for one line of the log.
@@ -32,10 +32,10 @@ Status ApplySettings(Features& features, const AravisConfig& config, SettingsRec
 
 // How this camera takes exposure and gain.
 struct ExposureControl {
-  std::string exposure;         // feature
-  double us_per_unit = 1.0;     // of it
-  std::string gain;             // feature; empty: it has none
-  double db_per_unit = 1.0;     // 0: unknown, only 0 dB can be set
+  std::string exposure;      // feature
+  double us_per_unit = 1.0;  // of it
+  std::string gain;          // feature; empty: it has none
+  double db_per_unit = 1.0;  // 0: unknown, only 0 dB can be set
   double gain_at_zero_db = 0.0;
 };
 Result<ExposureControl> FindExposureControl(Features& features, const AravisConfig& config,

@@ -1,8 +1,8 @@
 // The thread that talks to a camera, one job at a time, for a caller who waits a bounded time.
 //
-// While a shot is under way it works on that between the jobs. The thread is detached and owns what it
-// needs: a program ends, and whoever made the worker goes on, while it still hangs in a call to a
-// camera that no longer answers.
+// While a shot is under way it works on that between the jobs. The thread is detached and owns what
+// it needs: a program ends, and whoever made the worker goes on, while it still hangs in a call to
+// a camera that no longer answers.
 #pragma once
 
 #include <atomic>

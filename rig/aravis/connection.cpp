@@ -88,8 +88,7 @@ DeviceIdentity IdentityOf(ArvCamera* camera) {
 }
 
 // The same camera as before, locked, and under our control.
-Status MakeOurs(Connection& connection, CameraLock& lock,
-                const std::optional<KnownCamera>& known) {
+Status MakeOurs(Connection& connection, CameraLock& lock, const std::optional<KnownCamera>& known) {
   const DeviceIdentity& identity = connection.identity;
   if (known && known->serial != identity.serial)
     return DeviceError("at " + known->name + " there is now the camera with serial " +

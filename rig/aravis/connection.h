@@ -15,7 +15,7 @@ namespace turnlight::rig::aravis {
 // What makes opening the same camera again quick.
 struct KnownCamera {
   std::string name;     // that Aravis opens without a search: an address, or an id; may be empty
-  std::string serial;  // it must still have
+  std::string serial;   // it must still have
   int packet_size = 0;  // 0: not negotiated yet
 };
 

@@ -21,7 +21,8 @@ std::optional<ClockRate> RateBetween(const ClockSample& first, const ClockSample
   const double host = Seconds(second.Middle() - first.Middle()).count();
   if (!(host > 0.0)) return std::nullopt;
   const double device = 1e-9 * static_cast<double>(second.device_ns - first.device_ns);
-  const double unsure = 0.5 * Seconds((first.after - first.before) + (second.after - second.before)).count();
+  const double unsure =
+      0.5 * Seconds((first.after - first.before) + (second.after - second.before)).count();
   return ClockRate{device / host, unsure / host};
 }
 

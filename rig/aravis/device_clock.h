@@ -1,8 +1,8 @@
 // A camera's clock against the host's.
 //
 // A camera stamps its pictures by a clock of its own, that began anywhere and runs a little fast or
-// slow. What binds the two is a sample: the camera's clock, read between two instants of the host's.
-// One is taken with every trigger, so that the drift between two samples never adds up.
+// slow. What binds the two is a sample: the camera's clock, read between two instants of the
+// host's. One is taken with every trigger, so that the drift between two samples never adds up.
 #pragma once
 
 #include <chrono>

@@ -62,9 +62,8 @@ std::string Features::Unit(const std::string& name) {
 Result<double> Features::Number(const std::string& name) {
   ArvGcNode* node = Node(name);
   if (ARV_IS_GC_FLOAT(node))
-    return Ask(name, [&](GError** error) {
-      return arv_gc_float_get_value(ARV_GC_FLOAT(node), error);
-    });
+    return Ask(name,
+               [&](GError** error) { return arv_gc_float_get_value(ARV_GC_FLOAT(node), error); });
   const auto value = Integer(name);
   if (!value) return Forward(value);
   return static_cast<double>(*value);
@@ -84,9 +83,8 @@ Result<NumberBounds> Features::Bounds(const std::string& name) {
     return DeviceError(name + ": is no number of this camera");
   const auto ask = [&](auto of_float, auto of_integer) {
     return Ask(name, [&](GError** error) -> double {
-      return ARV_IS_GC_FLOAT(node)
-                 ? of_float(ARV_GC_FLOAT(node), error)
-                 : static_cast<double>(of_integer(ARV_GC_INTEGER(node), error));
+      return ARV_IS_GC_FLOAT(node) ? of_float(ARV_GC_FLOAT(node), error)
+                                   : static_cast<double>(of_integer(ARV_GC_INTEGER(node), error));
     });
   };
   const auto min = ask(arv_gc_float_get_min, arv_gc_integer_get_min);
@@ -99,9 +97,8 @@ Result<NumberBounds> Features::Bounds(const std::string& name) {
 Status Features::SetNumber(const std::string& name, double value) {
   ArvGcNode* node = Node(name);
   if (ARV_IS_GC_FLOAT(node))
-    return Ask(name, [&](GError** error) {
-      arv_gc_float_set_value(ARV_GC_FLOAT(node), value, error);
-    });
+    return Ask(name,
+               [&](GError** error) { arv_gc_float_set_value(ARV_GC_FLOAT(node), value, error); });
   if (!ARV_IS_GC_INTEGER(node)) return DeviceError(name + ": is no number of this camera");
   return Ask(name, [&](GError** error) {
     arv_gc_integer_set_value(ARV_GC_INTEGER(node), std::llround(value), error);
@@ -185,9 +182,8 @@ Status Features::SwitchOff(const std::string& name) {
 }
 
 Status Features::Execute(const std::string& name) {
-  return Ask(name, [&](GError** error) {
-    arv_device_execute_command(device_, name.c_str(), error);
-  });
+  return Ask(name,
+             [&](GError** error) { arv_device_execute_command(device_, name.c_str(), error); });
 }
 
 Result<std::uint32_t> Features::Register(std::uint64_t address) {

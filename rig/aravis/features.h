@@ -1,5 +1,5 @@
-// A camera's features by name: the nodes of its GenICam description, read and written with errors as
-// values. For one thread; every call may take as long as Aravis waits for a dead camera (2.5 s).
+// A camera's features by name: the nodes of its GenICam description, read and written with errors
+// as values. For one thread; every call may take as long as Aravis waits for a dead camera (2.5 s).
 #pragma once
 
 #include <cstdint>
@@ -58,9 +58,7 @@ class Features {
  private:
   template <typename F>
   auto Ask(const std::string& name, F call) -> Result<decltype(call(nullptr))>;
-  ArvGcNode* Node(const std::string& name) {
-    return arv_device_get_feature(device_, name.c_str());
-  }
+  ArvGcNode* Node(const std::string& name) { return arv_device_get_feature(device_, name.c_str()); }
 
   ArvDevice* device_;
   bool lost_ = false;

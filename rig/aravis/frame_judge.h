@@ -11,9 +11,9 @@ namespace turnlight::rig::aravis {
 
 // How a picture's time is known.
 enum class ClockSource {
-  kLatch,     // the camera's clock can be read: a latch command and its value
-  kHost,      // the camera's stamps are the host's UTC time (PTP, or simulated on this machine)
-  kArrival,   // neither: between trigger and arrival, by the host alone
+  kLatch,    // the camera's clock can be read: a latch command and its value
+  kHost,     // the camera's stamps are the host's UTC time (PTP, or simulated on this machine)
+  kArrival,  // neither: between trigger and arrival, by the host alone
 };
 const char* ClockWord(ClockSource source);
 

@@ -43,9 +43,9 @@ Result<FrameStream> FrameStream::Create(const Connection& connection, const Arav
     const auto chosen = ChoosePacketSize(connection, config, known);
     if (!chosen) return Forward(chosen);
     packet_size = known.packet_size = *chosen;
-    arv_camera_gv_set_stream_options(
-        camera, config.packet_socket ? ARV_GV_STREAM_OPTION_NONE
-                                     : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+    arv_camera_gv_set_stream_options(camera, config.packet_socket
+                                                 ? ARV_GV_STREAM_OPTION_NONE
+                                                 : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   }
   Failure failure;
   Owned<ArvStream> stream(arv_camera_create_stream(camera, nullptr, nullptr, failure.out()));
@@ -68,11 +68,10 @@ Result<FrameStream> FrameStream::Create(const Connection& connection, const Arav
 }
 
 FrameStream::Buffer FrameStream::Pop(std::chrono::microseconds patience) {
-  return Buffer(
-      patience.count() > 0
-          ? arv_stream_timeout_pop_buffer(stream_.get(), static_cast<guint64>(patience.count()))
-          : arv_stream_try_pop_buffer(stream_.get()),
-      Return{stream_.get()});
+  return Buffer(patience.count() > 0 ? arv_stream_timeout_pop_buffer(
+                                           stream_.get(), static_cast<guint64>(patience.count()))
+                                     : arv_stream_try_pop_buffer(stream_.get()),
+                Return{stream_.get()});
 }
 
 int FrameStream::Drain() {

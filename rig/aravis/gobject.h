@@ -34,8 +34,7 @@ class Failure {
     return g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT) ||
            g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) ||
            g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONTROLLER) ||
-           g_error_matches(error_, ARV_DEVICE_ERROR,
-                           ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED);
+           g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED);
   }
 
  private:

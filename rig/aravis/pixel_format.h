@@ -3,7 +3,8 @@
 //   Mono8, BayerRG8, RGB8         a byte per value
 //   Mono10/12/14/16, BayerRG10..  two bytes per value, little-endian, the value in the low bits
 //   Mono10p, Mono12p              a stream of bits without gaps, the lowest bit first
-//   Mono10Packed, Mono12Packed    two pixels in three bytes: the high eight bits of each in the first
+//   Mono10Packed, Mono12Packed    two pixels in three bytes: the high eight bits of each in the
+//   first
 //                                 and third, their low bits in the halves of the second, the first
 //                                 pixel's in the lower
 //
@@ -33,7 +34,7 @@ struct PixelFormat {
   PixelLayout layout = PixelLayout::kBytes;
   std::optional<std::string> bayer;  // RGGB, BGGR, GRBG or GBRG
 
-  int Channels() const;                               // 1 or 3
+  int Channels() const;  // 1 or 3
   int Depth() const { return bits > 8 ? CV_16U : CV_8U; }
   double MaxDn() const { return (1 << bits) - 1; }
   int BitsPerPixel() const { return static_cast<int>(code >> 16 & 0xff); }  // in the stream

@@ -1,5 +1,5 @@
-// Ends what is tedious to end where nobody waits for it: Aravis takes 7.5 s to let go of a camera that
-// no longer answers.
+// Ends what is tedious to end where nobody waits for it: Aravis takes 7.5 s to let go of a camera
+// that no longer answers.
 #pragma once
 
 #include <thread>

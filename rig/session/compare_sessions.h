@@ -2,8 +2,8 @@
 //
 // Camera, radiometry, target and the number of frames must be the same, angles, exposures and poses
 // within tolerances; pictures may differ by their noise (picture_difference.h). Of as many frames
-// the first is compared with the first and so on, otherwise frames of the same angle, and the others
-// are in one session only.
+// the first is compared with the first and so on, otherwise frames of the same angle, and the
+// others are in one session only.
 //
 // "sigmas: S" of a tolerance file is a limit for all frames together: of F frames, each of the
 // quantities of a picture may be as many sigmas as the largest of F exceeds as rarely as a single

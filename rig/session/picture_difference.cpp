@@ -1,7 +1,7 @@
 #include "rig/session/picture_difference.h"
 
-#include <Eigen/Core>
 #include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -26,8 +26,8 @@ constexpr std::size_t kMinGroup = 5000;
 // alone it would go with the very noise that is asked for, where zero cuts it off.
 constexpr int kLevelSquare = 3;
 // The variance of a group is the median of those of runs of so many of its values, neighbours along
-// rows: a mean of squares does not ask how noise is distributed (whole DN, cut off at zero), and the
-// median leaves edges out.
+// rows: a mean of squares does not ask how noise is distributed (whole DN, cut off at zero), and
+// the median leaves edges out.
 constexpr int kRun = 64;
 constexpr double kVarianceOfRounding = 1.0 / 12.0;
 constexpr double kLeastNoise = 1e-9;  // level; floats may have none at all
@@ -39,7 +39,8 @@ struct Pair {
   int channels = 1;
 };
 
-// A mosaic's four colours as channels, half as wide and high; an odd last row or column is left out.
+// A mosaic's four colours as channels, half as wide and high; an odd last row or column is left
+// out.
 cv::Mat ColoursOfMosaic(const cv::Mat& mosaic) {
   std::vector<cv::Mat> colours;
   const cv::Size half(mosaic.cols / 2, mosaic.rows / 2);
@@ -64,7 +65,8 @@ cv::Mat LevelsOf(const cv::Mat& image, const calib::Radiometry& radiometry, bool
 }
 
 // The values that count, 255 of each channel: valid and finite in both, and not saturated in both.
-// What is above saturation is made it, and what is not finite 0, as its neighbours' gradients see it.
+// What is above saturation is made it, and what is not finite 0, as its neighbours' gradients see
+// it.
 cv::Mat1b CountingValues(Pair& pair, const calib::Radiometry& radiometry) {
   const auto saturation = static_cast<float>((radiometry.SaturationDn() - radiometry.black) /
                                              (radiometry.white - radiometry.black));
@@ -111,8 +113,7 @@ std::vector<float> GroupBounds(const cv::Mat1f& level, const cv::Mat1b& counts) 
     for (int i = 0; i < level.cols; ++i)
       if (counts(y, i) != 0) levels.push_back(level(y, i));
   std::sort(levels.begin(), levels.end());
-  const std::size_t groups =
-      std::clamp<std::size_t>(levels.size() / kMinGroup, 1, kNoiseGroups);
+  const std::size_t groups = std::clamp<std::size_t>(levels.size() / kMinGroup, 1, kNoiseGroups);
   std::vector<float> bounds;
   for (std::size_t i = 1; i < groups; ++i) bounds.push_back(levels[i * levels.size() / groups]);
   return bounds;
@@ -147,17 +148,16 @@ cv::Mat1f NoiseOf(const Pair& pair, const cv::Mat1b& counts, double least) {
   }
   std::vector<float> sigmas;
   for (std::size_t i = 0; i <= bounds.size(); ++i)
-    sigmas.push_back(static_cast<float>(
-        std::max(least, std::min(std::hypot(of_a[i].Sigma(), of_b[i].Sigma()),
-                                 of_difference[i].Sigma()))));
+    sigmas.push_back(static_cast<float>(std::max(
+        least, std::min(std::hypot(of_a[i].Sigma(), of_b[i].Sigma()), of_difference[i].Sigma()))));
   cv::Mat1f noise(level.size());
   for (int y = 0; y < level.rows; ++y)
     for (int i = 0; i < level.cols; ++i) noise(y, i) = sigmas[GroupOf(bounds, level(y, i))];
   return noise;
 }
 
-// How many sigmas a sum of squares of so many unit normals is above what chance gives: its cube root
-// is nearly normal (Wilson and Hilferty 1931).
+// How many sigmas a sum of squares of so many unit normals is above what chance gives: its cube
+// root is nearly normal (Wilson and Hilferty 1931).
 double SigmasOfSquares(double sum, double count) {
   const double variance = 2.0 / (9.0 * count);
   return (std::cbrt(sum / count) - (1.0 - variance)) / std::sqrt(variance);
@@ -204,9 +204,8 @@ class BlockComparison {
           shifts += 2.0;
           pixels += fit.shift_px * fit.shift_px;
         }
-        const double sigmas =
-            has_shift ? SigmasOfSquares((fit.of_level + fit.of_shift) / unit, 3.0)
-                      : SigmasOfSquares(fit.of_level / unit, 1.0);
+        const double sigmas = has_shift ? SigmasOfSquares((fit.of_level + fit.of_shift) / unit, 3.0)
+                                        : SigmasOfSquares(fit.of_level / unit, 1.0);
         if (result.blocks > 1 && sigmas <= result.largest_sigmas) continue;
         result.largest_sigmas = sigmas;
         result.largest = std::abs(mean);

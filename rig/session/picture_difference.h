@@ -17,12 +17,12 @@ namespace turnlight::rig {
 // Levels are shares of white above black: (DN - black) / (white - black). Values are those of all
 // channels of the pixels that count: valid and finite in both pictures, and not saturated in both.
 struct PictureDifference {
-  std::size_t values = 0;  // 0: nothing could be compared, and all else is 0
-  double rms = 0.0;        // of the differences' levels
+  std::size_t values = 0;     // 0: nothing could be compared, and all else is 0
+  double rms = 0.0;           // of the differences' levels
   double rms_in_noise = 0.0;  // of the differences in units of their noise: about 1 for one view
-  // Blocks of 16 x 16 pixels that are filled at least in half, all channels together. In each, least
-  // squares of b - a = level + shift . gradient; noise averages out, and what became brighter or
-  // moved does not. Where the gradients are lost in noise there is no shift.
+  // Blocks of 16 x 16 pixels that are filled at least in half, all channels together. In each,
+  // least squares of b - a = level + shift . gradient; noise averages out, and what became brighter
+  // or moved does not. Where the gradients are lost in noise there is no shift.
   std::size_t blocks = 0;
   double level_rms = 0.0;  // of the blocks' mean differences
   // How many sigmas all levels together, and all shifts together, are above what chance gives:
@@ -32,8 +32,8 @@ struct PictureDifference {
   double shift_rms_px = 0.0;  // of the blocks' shifts, in the recorded picture; noise has its part
   // The block that is furthest above what chance gives, level and shift together.
   double largest_sigmas = 0.0;
-  double largest = 0.0;         // the size of its mean difference
-  cv::Point largest_at{0, 0};   // its middle, a pixel
+  double largest = 0.0;        // the size of its mean difference
+  cv::Point largest_at{0, 0};  // its middle, a pixel
   // The second picture's brightness over the first's, less 1, by least squares; 0 with
   // brightness_sigma 0 if both are black.
   double brightness = 0.0;

@@ -1,7 +1,7 @@
-// Proves, with Aravis' simulated camera on the real protocol: every trigger has its picture, with the
-// bytes that were sent, exposure and gain that the camera used, a time between trigger and arrival; also
-// while packets are lost, and when pictures come that nobody asked for. Does not prove: cameras whose
-// stamps are late by their own fault; USB3 Vision.
+// Proves, with Aravis' simulated camera on the real protocol: every trigger has its picture, with
+// the bytes that were sent, exposure and gain that the camera used, a time between trigger and
+// arrival; also while packets are lost, and when pictures come that nobody asked for. Does not
+// prove: cameras whose stamps are late by their own fault; USB3 Vision.
 #include "rig/aravis/aravis_camera.h"
 
 #include <gmock/gmock.h>

@@ -31,8 +31,8 @@ std::string Whole(const std::string& name, unsigned address, const std::string& 
 std::string Real(const std::string& name, unsigned address, const std::string& min,
                  const std::string& max, const char* unit) {
   return "<Float Name=\"" + name + "\"><pValue>" + name + "Conv</pValue><Min>" + min +
-         "</Min><Max>" + max + "</Max><Unit>" + unit + "</Unit></Float>\n<Converter Name=\"" + name +
-         "Conv\"><FormulaTo>FROM</FormulaTo><FormulaFrom>TO</FormulaFrom><pValue>" + name +
+         "</Min><Max>" + max + "</Max><Unit>" + unit + "</Unit></Float>\n<Converter Name=\"" +
+         name + "Conv\"><FormulaTo>FROM</FormulaTo><FormulaFrom>TO</FormulaFrom><pValue>" + name +
          "Reg</pValue></Converter>\n" + Register(name + "Reg", address);
 }
 
@@ -58,7 +58,8 @@ std::string Command(const std::string& name, unsigned address, int value = 1) {
 
 std::string Text(const std::string& name, unsigned address, int length) {
   return "<StringReg Name=\"" + name + "\"><Address>" + Hex(address) + "</Address><Length>" +
-         std::to_string(length) + "</Length><AccessMode>RO</AccessMode><pPort>Device</pPort>"
+         std::to_string(length) +
+         "</Length><AccessMode>RO</AccessMode><pPort>Device</pPort>"
          "</StringReg>\n";
 }
 
@@ -91,8 +92,9 @@ std::string Trigger(const Description& d) {
     entries.push_back({word, static_cast<unsigned>(entries.size())});
   if (!entries.empty()) xml += Choice("TriggerSelector", 0x8020, entries);
   if (!d.trigger_mode) return xml;
-  xml += Choice("TriggerMode", d.trigger_mode_works ? ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE : 0x8024,
-                {{"Off", 0}, {"On", 1}});
+  xml +=
+      Choice("TriggerMode", d.trigger_mode_works ? ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE : 0x8024,
+             {{"Off", 0}, {"On", 1}});
   entries.clear();
   for (const std::string& word : d.trigger_sources)
     entries.push_back({word, word == "Software" ? 1u : 0u});

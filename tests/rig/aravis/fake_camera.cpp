@@ -82,8 +82,7 @@ void FakeCamera::LosePackets(double share) {
 }
 
 void FakeCamera::Write(std::uint32_t address, std::uint32_t value) {
-  arv_fake_camera_write_register(arv_gv_fake_camera_get_fake_camera(camera_.get()), address,
-                                 value);
+  arv_fake_camera_write_register(arv_gv_fake_camera_get_fake_camera(camera_.get()), address, value);
 }
 
 std::uint32_t FakeCamera::Read(std::uint32_t address) const {
@@ -111,8 +110,7 @@ CameraProcess::CameraProcess(const std::string& serial) {
   char program[] = "/proc/self/exe";
   char* arguments[] = {program, nullptr};
   char* environment[] = {serve.data(), address.data(), nullptr};
-  const int spawned =
-      ::posix_spawn(&pid_, program, &actions, nullptr, arguments, environment);
+  const int spawned = ::posix_spawn(&pid_, program, &actions, nullptr, arguments, environment);
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(out[1]);
   char ready = 0;

@@ -1,8 +1,8 @@
-// Aravis' own simulated GigE Vision camera, on the real protocol, with pictures, a description (GenICam
-// XML) and a clock that a test chooses.
+// Aravis' own simulated GigE Vision camera, on the real protocol, with pictures, a description
+// (GenICam XML) and a clock that a test chooses.
 //
-// Its port is fixed, so that every process has an address of its own: 127.x.y.z by its process number,
-// which getifaddrs tells Aravis is the loopback interface's.
+// Its port is fixed, so that every process has an address of its own: 127.x.y.z by its process
+// number, which getifaddrs tells Aravis is the loopback interface's.
 #pragma once
 
 #include <sys/types.h>
@@ -37,7 +37,7 @@ struct Description {
   std::string latch, latch_value;     // the value is that of register 0x8100, 64 bits
   std::string tick_frequency;         // feature; its value is 0x8110
   std::string black_level, temperature;
-  std::string extra;                  // XML
+  std::string extra;  // XML
 };
 std::string Xml(const Description& description);
 

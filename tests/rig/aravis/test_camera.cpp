@@ -18,8 +18,7 @@ DeviceTime Now() {
 }
 
 void Ramp(const FakeCamera::Picture& picture) {
-  for (std::size_t i = 0; i < picture.bytes; ++i)
-    picture.data[i] = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 0; i < picture.bytes; ++i) picture.data[i] = static_cast<std::uint8_t>(i);
 }
 
 Result<RawFrame> Shoot(AravisCamera& camera) {

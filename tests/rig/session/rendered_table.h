@@ -105,8 +105,8 @@ inline void RecordTable(const sim::SyntheticSession& rendered, std::uint64_t see
   std::filesystem::create_directories(root / "frames");
   const Session session = TableSession(rendered);
   for (std::size_t i = 0; i < rendered.frames.size(); ++i)
-    ASSERT_TRUE(WriteImage(root / session.frames[i].image,
-                           Recorded(rendered.frames[i].image, seed, i)));
+    ASSERT_TRUE(
+        WriteImage(root / session.frames[i].image, Recorded(rendered.frames[i].image, seed, i)));
   ASSERT_TRUE(WriteSession(session, root));
 }
 
