@@ -132,6 +132,10 @@ calib::Radiometry LevelsOf(const Devices& devices,
   if (calibration) return calibration->radiometry;
   if (devices.world) return rig::sim::KnowledgeOf(*devices.world).radiometry;
   calib::Radiometry levels;
+  if (const auto& full = devices.camera->full_scale_dn) {
+    levels.white = full->back();
+    return levels;
+  }
   const int depth = devices.camera->format.depth;
   levels.white = depth == CV_8U ? 255.0 : depth == CV_16U ? 65535.0 : 1.0;
   return levels;

@@ -61,8 +61,8 @@ std::string TextOf(const std::optional<StrictObject>& section, const std::string
 // The calibration that rig/calibration names, if it names one. Fails (kInput).
 Result<std::optional<rig::RigCalibration>> ReadCalibrationOf(const DeviceConfig& config);
 
-// What the camera's DN mean: by the calibration, by the simulation, else the range of the pictures'
-// type.
+// What the camera's DN mean: by the calibration, by the simulation, else the whole range of its
+// pixel format.
 calib::Radiometry LevelsOf(const Devices& devices,
                            const std::optional<rig::RigCalibration>& calibration);
 

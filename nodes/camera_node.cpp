@@ -45,7 +45,8 @@ Status CameraNode::OnPoll(graph::Time now) {
   } else if (*polled) {
     rig::RawFrame& raw = **polled;
     Finish({Frame{std::move(raw.image), raw.frame_id, raw.trigger, trigger_, triggered_at_,
-                  raw.exposure_begin, raw.exposure_end, raw.actual, raw.complete, drained_},
+                  raw.exposure_begin, raw.exposure_end, raw.actual, raw.complete, drained_,
+                  camera_->Readings()},
             ""},
            now);
   } else if (now >= deadline_) {
@@ -54,8 +55,13 @@ Status CameraNode::OnPoll(graph::Time now) {
   return {};
 }
 
+void CameraNode::TellNotes() {
+  for (std::string& note : camera_->TakeNotes()) ReportFault("note", std::move(note));
+}
+
 void CameraNode::Finish(ExposeResult result, graph::Time now) {
   poll_.Cancel();
+  TellNotes();
   if (!result.frame) reopen_ = true;
   expose_.Finish(expose_.active(), std::move(result), now);
 }

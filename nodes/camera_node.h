@@ -1,6 +1,7 @@
 // The camera behind an action.
 //   action   expose  Expose: sets, throws away what is queued, triggers, waits a bounded time
 //   params   poll_ms (5)
+//   faults   note: what the camera has to say, in words
 // It judges nothing. After a failure the camera is opened again before the next exposure.
 #pragma once
 
@@ -22,6 +23,7 @@ class CameraNode : public graph::Node {
   Status OnGoal(const graph::Message<graph::ActionGoal<ExposeGoal>>& goal);
   Status OnPoll(graph::Time now);
   Status Begin(const ExposeGoal& goal, graph::Time now);
+  void TellNotes();
   void Finish(ExposeResult result, graph::Time now);
 
   graph::Clock clock_{this};

@@ -152,6 +152,10 @@ void Wire<Frame>::Encode(const Frame& frame, WireWriter& out) {
   PutSettings(frame.actual, out);
   out.Bool(frame.complete);
   out.I64(frame.drained);
+  PutList(frame.readings, out, [&](const rig::DeviceReading& reading) {
+    out.Text(reading.name);
+    out.F64(reading.value);
+  });
 }
 Frame Wire<Frame>::Decode(WireReader& in) {
   Frame frame;
@@ -165,6 +169,10 @@ Frame Wire<Frame>::Decode(WireReader& in) {
   frame.actual = GetSettings(in);
   frame.complete = in.Bool();
   frame.drained = in.I64();
+  frame.readings = GetList<rig::DeviceReading>(in, [&] {
+    std::string name = in.Text();
+    return rig::DeviceReading{std::move(name), in.F64()};
+  });
   return frame;
 }
 

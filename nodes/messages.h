@@ -48,6 +48,7 @@ struct Frame {
   rig::CameraSettings actual;  // read back for this frame
   bool complete = true;
   std::int64_t drained = 0;  // older pictures thrown away before the trigger
+  std::vector<rig::DeviceReading> readings;  // what the camera measured of itself after it
 };
 
 // An action: one triggered exposure; fails if no picture comes within timeout of its end.
@@ -138,13 +139,13 @@ namespace turnlight::nodes::graph {
 TURNLIGHT_WIRE(rig::TableState, "TableState", 1);
 TURNLIGHT_WIRE(nodes::MoveGoal, "Move", 1);
 TURNLIGHT_WIRE(nodes::MoveResult, "MoveResult", 1);
-TURNLIGHT_WIRE(nodes::Frame, "Frame", 1);
+TURNLIGHT_WIRE(nodes::Frame, "Frame", 2);
 TURNLIGHT_WIRE(nodes::ExposeGoal, "Expose", 1);
 TURNLIGHT_WIRE(nodes::ExposureBegun, "ExposureBegun", 1);
-TURNLIGHT_WIRE(nodes::ExposeResult, "ExposeResult", 1);
-TURNLIGHT_WIRE(nodes::Bracket, "Bracket", 1);
+TURNLIGHT_WIRE(nodes::ExposeResult, "ExposeResult", 2);
+TURNLIGHT_WIRE(nodes::Bracket, "Bracket", 2);
 TURNLIGHT_WIRE(nodes::CameraModel, "CameraModel", 1);
-TURNLIGHT_WIRE(nodes::Keyframe, "Keyframe", 1);
+TURNLIGHT_WIRE(nodes::Keyframe, "Keyframe", 2);
 TURNLIGHT_WIRE(nodes::Stored, "Stored", 1);
 TURNLIGHT_WIRE(nodes::Estimate, "Estimate", 1);
 #undef TURNLIGHT_WIRE

@@ -19,7 +19,8 @@ Status RecorderNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
                        bracket.exposures.back().exposure_end,
                        bracket.attempts,
                        bracket.rejected,
-                       {}};
+                       {},
+                       bracket.exposures.back().readings};
   for (const Frame& frame : bracket.exposures)
     record.provenance.counters.push_back(
         {{"frame_id", static_cast<std::int64_t>(frame.frame_id)}, {"drained", frame.drained}});

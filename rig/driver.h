@@ -26,8 +26,11 @@ struct CameraDevice {
   std::optional<std::string> bayer;     // RGGB, BGGR, GRBG or GBRG, of a mosaic of one channel
   std::array<int, 2> roi_offset{0, 0};  // of the picture's first pixel on the sensor, unbinned
   std::array<int, 2> binning{1, 1};     // pixels of the sensor per picture's, across and down
-  double readout_s = 0.05;              // from the end of an exposure to its picture, about
-  bool real_time = false;               // as of the table
+  // Between which DN a full pixel reads, by the pixel format; the calibration's saturation must lie
+  // there. Not given: not known.
+  std::optional<std::array<double, 2>> full_scale_dn;
+  double readout_s = 0.05;  // from the end of an exposure to its picture, about
+  bool real_time = false;   // as of the table
 };
 
 }  // namespace turnlight::rig

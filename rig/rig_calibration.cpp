@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "base/sha256.h"
 #include "rig/session/session_fields.h"
 
@@ -244,6 +245,21 @@ std::string PrintCalibration(const RigCalibration& calibration, const std::strin
   return text + "\n}\n";
 }
 
+// Beyond the pixels' range nothing would ever count as clipped; far below it nearly all would.
+Status CheckFullScale(const RigCalibration& calibration, const CameraDevice& camera) {
+  const double saturation = calibration.radiometry.SaturationDn();
+  if (!camera.full_scale_dn ||
+      (saturation >= camera.full_scale_dn->front() && saturation <= camera.full_scale_dn->back()))
+    return {};
+  return InputError(
+      calibration.source + ": radiometry/" +
+      (calibration.radiometry.saturation ? "saturation" : "white") + ": " + NumberText(saturation) +
+      ", a full pixel of this config's camera reads at most " +
+      NumberText(camera.full_scale_dn->back()) + "; allowed is " +
+      NumberText(camera.full_scale_dn->front()) + ".." + NumberText(camera.full_scale_dn->back()) +
+      ", or another pixel_format");
+}
+
 std::string ShowPair(int a, int b) { return std::to_string(a) + " x " + std::to_string(b); }
 
 }  // namespace
@@ -290,7 +306,7 @@ Status CheckPictures(const RigCalibration& calibration, const CameraDevice& came
       return InputError(calibration.source + ": identity/camera/" + key + ": " + values.first +
                         ", this config's camera gives " + values.second +
                         "; allowed is a calibration made with these pictures");
-  return {};
+  return CheckFullScale(calibration, camera);
 }
 
 Status CheckIdentity(const RigCalibration& calibration, const DeviceIdentity& camera,

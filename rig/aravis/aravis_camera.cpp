@@ -14,16 +14,11 @@ constexpr milliseconds kPatience(1000);
 // Ending in order takes milliseconds; with a dead camera nobody waits for it.
 constexpr milliseconds kEnd(500);
 
-Error NotOpen(const std::string& id) {
-  return Error{ErrorKind::kDevice, "camera \"" + id + "\": not open"};
-}
-
 }  // namespace
 
-AravisCamera::AravisCamera(AravisConfig config)
-    : id_(config.id), worker_(CameraWorker::Begin(std::move(config))) {}
-
-AravisCamera::~AravisCamera() { worker_->End(kEnd); }
+AravisCamera::~AravisCamera() {
+  if (worker_) worker_->End(kEnd);
+}
 
 void AravisCamera::Hear(DeviceTime now) {
   const DeviceTime offset =
@@ -36,14 +31,18 @@ DeviceTime AravisCamera::ToCapture(Steady::time_point time) const {
          offset_.value_or(DeviceTime(0));
 }
 
+tl::unexpected<Error> AravisCamera::Fault(const std::string& text) const {
+  return DeviceError("camera \"" + config_.id + "\": " + text);
+}
+
 tl::unexpected<Error> AravisCamera::Silent() {
   open_ = false;
-  return DeviceError("camera \"" + id_ + "\": does not answer");
+  return Fault("does not answer");
 }
 
 template <typename F>
 auto AravisCamera::Do(F job) -> std::invoke_result_t<F, CameraWorker&> {
-  if (!open_) return tl::unexpected<Error>(NotOpen(id_));
+  if (!open_) return Fault("not open");
   auto handed = worker_->Hand(std::move(job));
   if (handed.WaitUntil(Steady::now() + kPatience)) return handed.result.get();
   *handed.cancelled = true;
@@ -53,6 +52,7 @@ auto AravisCamera::Do(F job) -> std::invoke_result_t<F, CameraWorker&> {
 Result<DeviceIdentity> AravisCamera::Open(DeviceTime now) {
   Hear(now);
   open_ = false;
+  if (!worker_) worker_ = CameraWorker::Begin(config_);
   const Steady::time_point until = Steady::now() + (opened_before_ ? kPatience : kFirstOpen);
   // What an earlier call began and did not wait for may have come to something; if it failed, that
   // says nothing of now.
@@ -60,8 +60,7 @@ Result<DeviceIdentity> AravisCamera::Open(DeviceTime now) {
   while (true) {
     if (!opening_) opening_ = worker_->Hand([](CameraWorker& worker) { return worker.Reopen(); });
     if (!opening_->WaitUntil(until))
-      return DeviceError("camera \"" + id_ +
-                         "\": " + (opened_before_ ? "is not back yet" : "did not open in time"));
+      return Fault(opened_before_ ? "is not back yet" : "did not open in time");
     auto identity = opening_->result.get();
     opening_.reset();
     if (identity) {
@@ -99,24 +98,26 @@ Result<std::uint64_t> AravisCamera::Trigger(DeviceTime now) {
 
 Result<std::optional<RawFrame>> AravisCamera::Poll(DeviceTime now) {
   Hear(now);
-  if (!open_) return tl::unexpected<Error>(NotOpen(id_));
+  if (!open_) return Fault("not open");
   auto shot = worker_->TakeShot();
   if (!shot) {
     if (worker_->Busy() > kPatience) return Silent();
     return std::optional<RawFrame>();
   }
-  if (!*shot) return DeviceError("camera \"" + id_ + "\": " + shot->error().text);
+  if (!*shot) return Fault(shot->error().text);
   ShotFrame& frame = **shot;
   return RawFrame{
       std::move(frame.image),    ids_.Next(frame.id), triggers_, ToCapture(frame.span.begin),
       ToCapture(frame.span.end), frame.actual,        true};
 }
 
-std::vector<std::string> AravisCamera::TakeNotes() { return worker_->TakeNotes(); }
+std::vector<std::string> AravisCamera::TakeNotes() {
+  return worker_ ? worker_->TakeNotes() : std::vector<std::string>();
+}
 
-std::vector<DeviceReading> AravisCamera::Readings() { return worker_->Report().readings; }
+std::vector<DeviceReading> AravisCamera::Readings() { return Report().readings; }
 
-CameraReport AravisCamera::Report() const { return worker_->Report(); }
+CameraReport AravisCamera::Report() const { return worker_ ? worker_->Report() : CameraReport(); }
 
 Result<CameraDevice> MakeAravisCamera(StrictObject keys) {
   auto config = ReadAravisConfig(std::move(keys));
@@ -127,7 +128,11 @@ Result<CameraDevice> MakeAravisCamera(StrictObject keys) {
   device.bayer = format.bayer;
   device.binning = config->binning;
   for (std::size_t i = 0; i < 2; ++i) device.roi_offset[i] = config->offset[i] * config->binning[i];
+  // Sixteen bits may hold the ten or more of the sensor in their lower end.
+  device.full_scale_dn = {
+      {format.bits == 16 ? 1023.0 : 0.5 * (format.MaxDn() + 1.0), format.MaxDn()}};
   device.readout_s = 1e-3 * config->readout_ms;
+  device.real_time = true;
   device.camera = std::make_shared<AravisCamera>(std::move(*config));
   return device;
 }

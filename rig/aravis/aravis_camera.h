@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rig/aravis/aravis_config.h"
@@ -22,7 +23,7 @@ namespace turnlight::rig::aravis {
 // Not for several threads at once.
 class AravisCamera : public Camera {
  public:
-  explicit AravisCamera(AravisConfig config);
+  explicit AravisCamera(AravisConfig config) : config_(std::move(config)) {}
   ~AravisCamera() override;
 
   Result<DeviceIdentity> Open(DeviceTime now) override;
@@ -45,8 +46,10 @@ class AravisCamera : public Camera {
   DeviceTime ToCapture(Steady::time_point time) const;
   tl::unexpected<Error> Silent();
 
-  const std::string id_;
-  const std::shared_ptr<CameraWorker> worker_;
+  tl::unexpected<Error> Fault(const std::string& text) const;
+
+  const AravisConfig config_;
+  std::shared_ptr<CameraWorker> worker_;  // from the first Open on
   std::optional<Job<Result<DeviceIdentity>>> opening_;
   bool opened_before_ = false;
   bool open_ = false;

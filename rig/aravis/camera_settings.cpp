@@ -19,17 +19,17 @@ std::string Missing(const std::string& what, const std::string& why) {
 
 // A whole number that must be exactly what was asked for.
 Status SetExactly(Features& features, const std::string& name, int value, SettingsRecord& record) {
+  const std::string asked = name + ": " + std::to_string(value) + " was asked for, the camera ";
+  const auto bounds = features.Bounds(name);
+  if (!bounds && features.lost()) return Forward(bounds);
+  if (bounds && (value < bounds->min || value > bounds->max))
+    return DeviceError(asked + "allows " + NumberText(bounds->min) + " to " +
+                       NumberText(bounds->max));
   if (Status set = features.SetNumber(name, value); !set) return set;
   const auto now = features.Integer(name);
   if (!now) return Forward(now);
-  if (*now != value) {
-    const auto bounds = features.Bounds(name);
-    return DeviceError(name + ": " + std::to_string(value) + " was asked for, the camera has " +
-                       std::to_string(*now) +
-                       (bounds ? ", allowed are its steps from " + NumberText(bounds->min) +
-                                     " to " + NumberText(bounds->max)
-                               : ""));
-  }
+  if (*now != value)
+    return DeviceError(asked + "has " + std::to_string(*now) + ", the next of its steps");
   record.applied.push_back({name, std::to_string(value)});
   return {};
 }

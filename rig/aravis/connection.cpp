@@ -1,7 +1,5 @@
 #include "rig/aravis/connection.h"
 
-#include <gio/gio.h>
-
 #include <utility>
 
 #include "base/format.h"

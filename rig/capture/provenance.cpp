@@ -48,17 +48,20 @@ std::string PrintRunLine(const RunProvenance& run, const JournalHeader& header, 
 std::string PrintKeyframeLine(const KeyframeProvenance& provenance, const JournalEntry& entry) {
   ordered_json counters = ordered_json::array();
   for (const auto& of_exposure : provenance.counters) counters.push_back(ToObject(of_exposure));
-  return Line({{"kind", "keyframe"},
-               {"index", entry.index},
-               {"angle_deg", entry.frame.angle_deg.value_or(0.0)},
-               {"angle_measured_deg", entry.frame.angle_measured_deg.value_or(0.0)},
-               {"utc", provenance.utc},
-               {"exposure_begin_s", Seconds(provenance.exposure_begin)},
-               {"exposure_end_s", Seconds(provenance.exposure_end)},
-               {"attempts", provenance.attempts},
-               {"rejected", provenance.rejected},
-               {"counters", counters},
-               {"sha256", entry.frame.sha256.value_or("")}});
+  ordered_json object{{"kind", "keyframe"},
+                      {"index", entry.index},
+                      {"angle_deg", entry.frame.angle_deg.value_or(0.0)},
+                      {"angle_measured_deg", entry.frame.angle_measured_deg.value_or(0.0)},
+                      {"utc", provenance.utc},
+                      {"exposure_begin_s", Seconds(provenance.exposure_begin)},
+                      {"exposure_end_s", Seconds(provenance.exposure_end)},
+                      {"attempts", provenance.attempts},
+                      {"rejected", provenance.rejected},
+                      {"counters", counters}};
+  for (const DeviceReading& reading : provenance.readings)
+    object["readings"][reading.name] = reading.value;
+  object["sha256"] = entry.frame.sha256.value_or("");
+  return Line(object);
 }
 
 }  // namespace turnlight::rig

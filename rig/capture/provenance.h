@@ -31,6 +31,7 @@ struct KeyframeProvenance {
   std::vector<std::string> rejected;  // why, one text per attempt that failed
   // Of the devices, for each exposure: frame ids, drops.
   std::vector<std::vector<std::pair<std::string, std::int64_t>>> counters;
+  std::vector<DeviceReading> readings;  // of the camera, after the last exposure
 };
 
 // The line of a run: program, config, devices, hashes. kept and dropped: of a resume, else 0 and

@@ -22,6 +22,7 @@ Bracket MakeBracket() {
   frame.exposure_begin = rig::DeviceTime(5);
   frame.exposure_end = rig::DeviceTime(6);
   frame.actual = {8001.0, 0.5};
+  frame.readings = {{"DeviceTemperature", 41.5}, {"PacketsMissing", 3.0}};
   bracket.exposures = {frame, frame};
   bracket.utc = "virtual+1.000000000s";
   bracket.attempts = 2;

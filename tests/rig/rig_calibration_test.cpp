@@ -267,6 +267,13 @@ TEST(RigCalibrationOfOthers, PicturesOfAnotherRegionAreRefused) {
   camera.roi_offset = {8, 16};
   camera.binning = {1, 2};
   EXPECT_THAT(CheckPictures(calibration, camera).error().text, HasSubstr("binning: 2 x 2"));
+  camera.binning = {2, 2};
+  camera.full_scale_dn = {{2048.0, 4095.0}};
+  EXPECT_TRUE(CheckPictures(calibration, camera));
+  camera.full_scale_dn = {{128.0, 255.0}};
+  EXPECT_EQ(CheckPictures(calibration, camera).error().text,
+            "r.json: radiometry/saturation: 4000.1, a full pixel of this config's camera reads at "
+            "most 255; allowed is 128..255, or another pixel_format");
 }
 
 }  // namespace

@@ -40,14 +40,12 @@ struct Entry {
   std::string word;
   unsigned value;
 };
-std::string Choice(const std::string& name, unsigned address, const std::vector<Entry>& entries,
-                   const char* access = "RW") {
+std::string Choice(const std::string& name, unsigned address, const std::vector<Entry>& entries) {
   std::string xml = "<Enumeration Name=\"" + name + "\">";
   for (const Entry& entry : entries)
     xml += "<EnumEntry Name=\"" + entry.word + "\"><Value>" + std::to_string(entry.value) +
            "</Value></EnumEntry>";
-  return xml + "<pValue>" + name + "Reg</pValue></Enumeration>\n" +
-         Register(name + "Reg", address, 4, access);
+  return xml + "<pValue>" + name + "Reg</pValue></Enumeration>\n" + Register(name + "Reg", address);
 }
 
 std::string Command(const std::string& name, unsigned address, int value = 1) {
@@ -145,8 +143,9 @@ std::string Xml(const Description& d) {
   xml += Command("AcquisitionStop", ARV_FAKE_CAMERA_REGISTER_ACQUISITION, 0);
   unsigned address = 0x8200;
   for (const std::string& name : d.autos) {
-    xml += Choice(name, name == d.stuck ? 0x8000 : address, {{"Off", 0}, {"Continuous", 1}},
-                  name == d.stuck ? "RO" : "RW");
+    std::vector<Entry> entries{{"Continuous", 1}, {"Once", 2}};
+    if (name != d.stuck) entries.push_back({"Off", 0});
+    xml += Choice(name, name == d.stuck ? 0x8000 : address, entries);
     address += 4;
   }
   for (const std::string& name : d.switches) {

@@ -121,6 +121,10 @@ CameraProcess::CameraProcess(const std::string& serial) {
 
 CameraProcess::~CameraProcess() { Kill(); }
 
+void CameraProcess::Freeze() { ::kill(pid_, SIGSTOP); }
+
+void CameraProcess::Thaw() { ::kill(pid_, SIGCONT); }
+
 void CameraProcess::Kill() {
   if (pid_ < 0) return;
   ::kill(pid_, SIGKILL);

@@ -33,7 +33,7 @@ struct Description {
   bool trigger_mode_works = true;     // false: On is read back, and the camera runs on
   std::vector<std::string> autos;     // enumerations Off, Continuous; beginning with Continuous
   std::vector<std::string> switches;  // booleans, beginning true
-  std::string stuck;                  // one of autos that can only be read
+  std::string stuck;                  // one of autos that knows no Off
   std::string latch, latch_value;     // the value is that of register 0x8100, 64 bits
   std::string tick_frequency;         // feature; its value is 0x8110
   std::string black_level, temperature;
@@ -80,6 +80,8 @@ class CameraProcess {
   explicit CameraProcess(const std::string& serial);
   ~CameraProcess();
   void Kill();
+  void Freeze();
+  void Thaw();
 
  private:
   pid_t pid_ = -1;

@@ -98,6 +98,7 @@ TEST_F(SessionRecorderTest, ProvenanceTellsWhoWhatAndWhen) {
   keyframes_[1].provenance.attempts = 2;
   keyframes_[1].provenance.rejected = {"arrived 0.3 deg off"};
   keyframes_[1].provenance.counters = {{{"frame_id", 17}}, {{"frame_id", 18}}};
+  keyframes_[1].provenance.readings = {{"DeviceTemperature", 41.5}};
   keyframes_[1].provenance.exposure_begin = std::chrono::milliseconds(1500);
   { StartWith(2); }
   ASSERT_TRUE(Capture(root()));
@@ -118,6 +119,7 @@ TEST_F(SessionRecorderTest, ProvenanceTellsWhoWhatAndWhen) {
   EXPECT_EQ(lines[2]["rejected"][0], "arrived 0.3 deg off");
   EXPECT_EQ(lines[2]["counters"][0]["frame_id"], 17);
   EXPECT_EQ(lines[2]["counters"][1]["frame_id"], 18);
+  EXPECT_EQ(lines[2]["readings"]["DeviceTemperature"], 41.5);
   EXPECT_EQ(lines[2]["exposure_begin_s"], 1.5);
   EXPECT_EQ(lines[2]["angle_deg"], 10.0);
   EXPECT_EQ(lines[2]["angle_measured_deg"], 10.01);
