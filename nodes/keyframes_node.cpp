@@ -26,6 +26,8 @@ Status KeyframesNode::Configure(StrictObject& params) {
   state_timeout_ = ms("state_timeout_ms", 2000.0);
   home_timeout_ = FromSeconds(
       params.OptionalNumber("home_timeout_s", {.min = 0.0, .max = 3600.0}).value_or(130.0));
+  if (const auto lost = params.OptionalNumber("lost_timeout_s", {.min = 0.0, .max = 3600.0}))
+    lost_timeout_ = FromSeconds(*lost);
   return {};
 }
 
@@ -34,8 +36,35 @@ Status KeyframesNode::WindDown() {
   return {};
 }
 
+// The time since the last phase began goes to its account.
+void KeyframesNode::Enter(Phase phase) {
+  const graph::Time now = clock_.Now();
+  const double seconds = graph::ToMs(now - entered_) * 1e-3;
+  switch (phase_) {
+    case Phase::kMoving:
+    case Phase::kBefore:
+    case Phase::kAfter:
+      pace_.stage += seconds;
+      break;
+    case Phase::kSettling:
+      pace_.settling += seconds;
+      break;
+    case Phase::kExposing:
+      pace_.camera += seconds;
+      break;
+    case Phase::kResting:
+      pace_.resting += seconds;
+      break;
+    case Phase::kIdle:
+      break;
+  }
+  phase_ = phase;
+  entered_ = now;
+}
+
 Status KeyframesNode::BeginKeyframe() {
-  phase_ = Phase::kIdle;
+  Enter(Phase::kIdle);
+  failing_since_.reset();
   if (next_ == work_->frames.size()) RequestStop();
   if (next_ == work_->frames.size() || stopping_) return {};
   HoldStop();
@@ -47,7 +76,7 @@ Status KeyframesNode::BeginKeyframe() {
 }
 
 Status KeyframesNode::BeginAttempt() {
-  phase_ = Phase::kMoving;
+  Enter(Phase::kMoving);
   bracket_.exposures.clear();
   levels_now_.clear();
   const MoveGoal goal{rig::MoveLegs(job_.plan, from_deg_, Frame().angle_deg),
@@ -65,7 +94,7 @@ Status KeyframesNode::OnMoved(const graph::ActionOutcome<Move>& outcome) {
     return Reject(ErrorKind::kDevice, "the turntable did not answer a move");
   if (job_.check_arrival && !outcome.result().arrived)
     return Reject(ErrorKind::kDevice, "no arrival: " + outcome.result().text);
-  phase_ = Phase::kSettling;
+  Enter(Phase::kSettling);
   timer_.After(job_.settle ? graph::FromMs(job_.plan.settle_ms) : graph::Duration(0));
   return {};
 }
@@ -77,7 +106,7 @@ Status KeyframesNode::OnTimer(graph::Time now) {
 }
 
 Status KeyframesNode::Await(Phase phase, graph::Time from) {
-  phase_ = phase;
+  Enter(phase);
   readings_from_ = from;
   readings_deg_.clear();
   timer_.After(state_timeout_);
@@ -108,7 +137,7 @@ Status KeyframesNode::OnState(const graph::Message<rig::TableState>& state) {
 }
 
 Status KeyframesNode::Expose() {
-  phase_ = Phase::kExposing;
+  Enter(Phase::kExposing);
   const ExposeGoal goal{{job_.plan.exposures_us[bracket_.exposures.size()], job_.plan.gain_db},
                         FromSeconds(job_.plan.frame_timeout_s)};
   // The camera's own deadline fires first; this one is for a camera node that hangs.
@@ -150,10 +179,19 @@ Status KeyframesNode::Accept() {
   from_deg_ = Frame().angle_deg;
   bracket_.utc = clock_.UtcLabel();
   const graph::Time valid_at = bracket_.exposures.front().exposure_begin;
+  Enter(Phase::kIdle);
   bracket_out_.Publish(std::move(bracket_), valid_at);
+  pace_.storing += graph::ToMs(clock_.Now() - entered_) * 1e-3;
+  pace_out_.Publish(std::exchange(pace_, Pace{}), valid_at);
   ++next_;
   ReleaseStop();
   return BeginKeyframe();
+}
+
+bool KeyframesNode::LostForTooLong(ErrorKind kind) {
+  if (kind != ErrorKind::kDevice) return false;
+  if (!failing_since_) failing_since_ = clock_.Now();
+  return lost_timeout_ && clock_.Now() - *failing_since_ >= *lost_timeout_;
 }
 
 Status KeyframesNode::Reject(ErrorKind kind, const std::string& why) {
@@ -161,12 +199,15 @@ Status KeyframesNode::Reject(ErrorKind kind, const std::string& why) {
   bracket_.rejected.push_back(why);
   const std::string text = rig::Label(Frame()) + ", attempt " + std::to_string(bracket_.attempts) +
                            " of " + std::to_string(job_.plan.retries + 1) + ": " + why;
-  if (bracket_.attempts > job_.plan.retries)
+  if (LostForTooLong(kind) || bracket_.attempts > job_.plan.retries)
     return tl::unexpected<Error>(
         Error{kind, text + "; the capture pauses here, all good frames are kept"});
   ReportFault("retry", text);
-  phase_ = Phase::kResting;
-  timer_.After(retry_wait_ * (1 << std::min(bracket_.attempts - 1, 6)));
+  Enter(Phase::kResting);
+  graph::Duration rest = retry_wait_ * (1 << std::min(bracket_.attempts - 1, 6));
+  if (lost_timeout_ && failing_since_)
+    rest = std::min(rest, std::max(*failing_since_ + *lost_timeout_ - clock_.Now(), retry_wait_));
+  timer_.After(rest);
   ++bracket_.attempts;
   return {};
 }

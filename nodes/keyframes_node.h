@@ -5,10 +5,13 @@
 //   action   move     Move, by the turntable
 //   action   expose   Expose, by the camera
 //   out      bracket  Bracket, with its proof
+//   out      pace     Pace, after each bracket
 //   params   still_deg (0.01): two readings of a table that stands differ by no more;
 //            retry_wait_ms (500): rest before the first repetition, twice as long before the next;
 //            state_timeout_ms (2000): a table that tells nothing for so long counts as lost;
-//            home_timeout_s (130): added to every move, as it may begin with a homing
+//            home_timeout_s (130): added to every move, as it may begin with a homing;
+//            lost_timeout_s (none): a device that has failed for so long in one keyframe ends the
+//            capture, whatever repetitions are left
 // Every rejection is a fault of code "retry". A stop in order waits for the keyframe that was
 // begun.
 #pragma once
@@ -61,6 +64,8 @@ class KeyframesNode : public graph::Node {
   Status Judge(const Frame& frame);
   Status Accept();
   Status Reject(ErrorKind kind, const std::string& why);
+  bool LostForTooLong(ErrorKind kind);
+  void Enter(Phase phase);
   const rig::PlannedFrame& Frame() const { return work_->frames[next_]; }
 
   graph::Clock clock_{this};
@@ -69,19 +74,24 @@ class KeyframesNode : public graph::Node {
   graph::ActionClient<Move> move_{this, "move", &KeyframesNode::OnMoved};
   graph::ActionClient<nodes::Expose> expose_{this, "expose", &KeyframesNode::OnExposed};
   graph::Output<Bracket> bracket_out_{this, "bracket"};
+  graph::Output<Pace> pace_out_{this, "pace"};
 
   KeyframesJob job_;
   calib::Radiometry radiometry_;
   std::shared_ptr<const CaptureWork> work_;
   double still_deg_ = 0.0;
   graph::Duration retry_wait_{}, state_timeout_{}, home_timeout_{};
+  std::optional<graph::Duration> lost_timeout_;
   std::size_t next_ = 0;            // into work_->frames
   std::optional<double> from_deg_;  // where the table stands after a good keyframe
   bool stopping_ = false;
   Phase phase_ = Phase::kIdle;
-  graph::Time readings_from_{};       // older readings of the table say nothing
-  std::vector<double> readings_deg_;  // in this wait
-  Bracket bracket_;                   // of the attempt that runs
+  graph::Time entered_{};                     // the phase
+  Pace pace_;                                 // of this keyframe
+  std::optional<graph::Time> failing_since_;  // of a device, in this keyframe
+  graph::Time readings_from_{};               // older readings of the table say nothing
+  std::vector<double> readings_deg_;          // in this wait
+  Bracket bracket_;                           // of the attempt that runs
   std::optional<std::uint64_t> last_id_;
   std::map<std::size_t, std::vector<double>> levels_;  // of good frames, by exposure
   std::vector<double> levels_now_;                     // of this attempt

@@ -270,6 +270,17 @@ Keyframe Wire<Keyframe>::Decode(WireReader& in) {
   return keyframe;
 }
 
+void Wire<nodes::Pace>::Encode(const nodes::Pace& pace, WireWriter& out) {
+  for (const double part : {pace.stage, pace.settling, pace.camera, pace.storing, pace.resting})
+    out.F64(part);
+}
+nodes::Pace Wire<nodes::Pace>::Decode(WireReader& in) {
+  nodes::Pace pace;
+  for (double* part : {&pace.stage, &pace.settling, &pace.camera, &pace.storing, &pace.resting})
+    *part = in.F64();
+  return pace;
+}
+
 void Wire<nodes::Stored>::Encode(const nodes::Stored& stored, WireWriter& out) {
   out.U64(stored.index);
   out.U64(stored.missing);

@@ -47,7 +47,7 @@ struct Frame {
   rig::DeviceTime triggered_at{}, exposure_begin{}, exposure_end{};
   rig::CameraSettings actual;  // read back for this frame
   bool complete = true;
-  std::int64_t drained = 0;  // older pictures thrown away before the trigger
+  std::int64_t drained = 0;                  // older pictures thrown away before the trigger
   std::vector<rig::DeviceReading> readings;  // what the camera measured of itself after it
 };
 
@@ -106,6 +106,15 @@ struct Stored {
   std::uint64_t missing = 0;  // frames of the plan that are not there yet
 };
 
+// Where the time of one keyframe went, its failed attempts included, in seconds.
+struct Pace {
+  double stage = 0.0;     // moves and homings, and readings of where the table stands
+  double settling = 0.0;  // the rest between arrival and exposure
+  double camera = 0.0;    // from trigger to picture
+  double storing = 0.0;   // waiting for who takes the pictures: the disk, if it is slow
+  double resting = 0.0;   // before repetitions
+};
+
 struct LightNow {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit, in W
   double direction_sigma_deg = 0.0;
@@ -147,6 +156,7 @@ TURNLIGHT_WIRE(nodes::Bracket, "Bracket", 2);
 TURNLIGHT_WIRE(nodes::CameraModel, "CameraModel", 1);
 TURNLIGHT_WIRE(nodes::Keyframe, "Keyframe", 2);
 TURNLIGHT_WIRE(nodes::Stored, "Stored", 1);
+TURNLIGHT_WIRE(nodes::Pace, "Pace", 1);
 TURNLIGHT_WIRE(nodes::Estimate, "Estimate", 1);
 #undef TURNLIGHT_WIRE
 

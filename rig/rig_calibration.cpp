@@ -251,13 +251,13 @@ Status CheckFullScale(const RigCalibration& calibration, const CameraDevice& cam
   if (!camera.full_scale_dn ||
       (saturation >= camera.full_scale_dn->front() && saturation <= camera.full_scale_dn->back()))
     return {};
-  return InputError(
-      calibration.source + ": radiometry/" +
-      (calibration.radiometry.saturation ? "saturation" : "white") + ": " + NumberText(saturation) +
-      ", a full pixel of this config's camera reads at most " +
-      NumberText(camera.full_scale_dn->back()) + "; allowed is " +
-      NumberText(camera.full_scale_dn->front()) + ".." + NumberText(camera.full_scale_dn->back()) +
-      ", or another pixel_format");
+  return InputError(calibration.source + ": radiometry/" +
+                    (calibration.radiometry.saturation ? "saturation" : "white") + ": " +
+                    NumberText(saturation) +
+                    ", a full pixel of this config's camera reads at most " +
+                    NumberText(camera.full_scale_dn->back()) + "; allowed is " +
+                    NumberText(camera.full_scale_dn->front()) + ".." +
+                    NumberText(camera.full_scale_dn->back()) + ", or another pixel_format");
 }
 
 std::string ShowPair(int a, int b) { return std::to_string(a) + " x " + std::to_string(b); }

@@ -44,9 +44,9 @@ std::vector<std::size_t> BestAssignment(const Eigen::MatrixXd& cost) {
       std::size_t next = 0;
       for (std::size_t j = 1; j <= columns; ++j) {
         if (reached[j]) continue;
-        const double reduced =
-            cost(static_cast<Eigen::Index>(row_of[column] - 1), static_cast<Eigen::Index>(j - 1)) -
-            row_potential[row_of[column]] - column_potential[j];
+        const double reduced = cost(static_cast<Eigen::Index>(row_of[column] - 1),
+                                    static_cast<Eigen::Index>(j - 1)) -
+                               row_potential[row_of[column]] - column_potential[j];
         if (reduced < least[j]) {
           least[j] = reduced;
           before[j] = column;
@@ -96,8 +96,7 @@ class ResultComparer {
   bool SameBrightestChannel() const {
     const auto brightest = [](const MeasuredColour& albedo) {
       double most = 0.0;
-      for (const MeasuredValue& channel : albedo)
-        most = std::max(most, channel.value.value_or(0.0));
+      for (const MeasuredValue& channel : albedo) most = std::max(most, channel.value.value_or(0.0));
       return most;
     };
     const double of_a = brightest(a_.albedo), of_b = brightest(b_.albedo);
@@ -224,12 +223,21 @@ class ResultComparer {
 }  // namespace
 
 const std::vector<QuantityWord>& ResultQuantities() {
-  static const std::vector<QuantityWord> words{
-      {"direction_deg", {}},    {"inverse_distance", {}}, {"distance", {}},
-      {"intensity", {}},        {"light_color", {}},      {"diffuse_product", {}},
-      {"specular_product", {}}, {"albedo", {}},           {"ambient", {}},
-      {"diffuse", {}},          {"specular", {}},         {"shininess", {}},
-      {"roughness_deg", {}},    {"ambient_product", {}},  {"rms", {.relative = kRmsTolerance}}};
+  static const std::vector<QuantityWord> words{{"direction_deg", {}},
+                                               {"inverse_distance", {}},
+                                               {"distance", {}},
+                                               {"intensity", {}},
+                                               {"light_color", {}},
+                                               {"diffuse_product", {}},
+                                               {"specular_product", {}},
+                                               {"albedo", {}},
+                                               {"ambient", {}},
+                                               {"diffuse", {}},
+                                               {"specular", {}},
+                                               {"shininess", {}},
+                                               {"roughness_deg", {}},
+                                               {"ambient_product", {}},
+                                               {"rms", {.relative = kRmsTolerance}}};
   return words;
 }
 

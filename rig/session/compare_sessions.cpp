@@ -53,8 +53,8 @@ FramePairs PairFrames(const Session& a, const Session& b) {
       frames.only_b.push_back(j);
   }
   for (std::size_t i = 0; i < a.frames.size(); ++i) {
-    const auto found =
-        a.frames[i].angle_deg ? of_angle.find(*a.frames[i].angle_deg) : of_angle.end();
+    const auto found = a.frames[i].angle_deg ? of_angle.find(*a.frames[i].angle_deg)
+                                             : of_angle.end();
     if (found == of_angle.end()) {
       frames.only_a.push_back(i);
       continue;
@@ -66,8 +66,8 @@ FramePairs PairFrames(const Session& a, const Session& b) {
   return frames;
 }
 
-// The largest distance in the picture between where the two lenses see one direction; infinite
-// where only one of them sees it.
+// The largest distance in the picture between where the two lenses see one direction; infinite where
+// only one of them sees it.
 double LargestLensShift(const calib::CameraModel& a, const calib::CameraModel& b) {
   constexpr int kSteps = 16;  // of the grid, along each side
   std::vector<Eigen::Vector2d> points;
@@ -91,27 +91,29 @@ json RadiometryToJson(const Session& session) {
   const auto or_null = [](const std::optional<double>& value) {
     return value ? json(*value) : json();
   };
-  static const std::map<calib::Encoding, std::string> kWords{{calib::Encoding::kLinear, "linear"},
-                                                             {calib::Encoding::kSrgb, "srgb"},
-                                                             {calib::Encoding::kGamma, "gamma"}};
-  return {
-      {"encoding", kWords.at(radiometry.encoding)},
-      {"gamma", radiometry.encoding == calib::Encoding::kGamma ? json(radiometry.gamma) : json()},
-      {"black", radiometry.black},
-      {"white", radiometry.white},
-      {"saturation", radiometry.SaturationDn()},
-      {"reference_exposure_us", or_null(radiometry.reference_exposure_us)},
-      {"reference_gain_db", or_null(radiometry.reference_gain_db)},
-      {"white_balance", radiometry.white_balance},
-      {"bayer", session.bayer ? json(*session.bayer) : json()}};
+  static const std::map<calib::Encoding, std::string> kWords{
+      {calib::Encoding::kLinear, "linear"},
+      {calib::Encoding::kSrgb, "srgb"},
+      {calib::Encoding::kGamma, "gamma"}};
+  return {{"encoding", kWords.at(radiometry.encoding)},
+          {"gamma", radiometry.encoding == calib::Encoding::kGamma ? json(radiometry.gamma)
+                                                                   : json()},
+          {"black", radiometry.black},
+          {"white", radiometry.white},
+          {"saturation", radiometry.SaturationDn()},
+          {"reference_exposure_us", or_null(radiometry.reference_exposure_us)},
+          {"reference_gain_db", or_null(radiometry.reference_gain_db)},
+          {"white_balance", radiometry.white_balance},
+          {"bayer", session.bayer ? json(*session.bayer) : json()}};
 }
 
 Result<json> TargetToJson(const Session& session) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&session.target))
     return json{{"shape", "sphere"}, {"radius", sphere->radius}};
   if (const auto* plane = std::get_if<calib::PlaneShape>(&session.target))
-    return json{
-        {"shape", "plane"}, {"size", {plane->width, plane->height}}, {"sides", plane->sides}};
+    return json{{"shape", "plane"},
+                {"size", {plane->width, plane->height}},
+                {"sides", plane->sides}};
   const auto bytes = ReadFile(session.root / std::get<MeshFile>(session.target).path);
   if (!bytes) return Forward(bytes);
   return json{{"shape", "mesh"}, {"sha256", Sha256Hex(*bytes)}};
@@ -233,8 +235,9 @@ class SessionComparer {
 
   Result<std::vector<ComparedPictures>> ComparePairs() const {
     std::vector<Result<ComparedPictures>> compared(frames_.pairs.size());
-    ParallelFor(compared.size(),
-                [&](std::size_t i) { compared[i] = ReadAndCompare(a_, b_, frames_.pairs[i]); });
+    ParallelFor(compared.size(), [&](std::size_t i) {
+      compared[i] = ReadAndCompare(a_, b_, frames_.pairs[i]);
+    });
     std::vector<ComparedPictures> pictures;
     for (auto& pair : compared) {
       if (!pair) return Forward(pair);
@@ -297,7 +300,8 @@ class SessionComparer {
     const std::string group = LabelOf(pair);
     const bool has_mask_a = a_.frames[pair.a].mask.has_value();
     const bool has_mask_b = b_.frames[pair.b].mask.has_value();
-    if (has_mask_a != has_mask_b) Add(CompareEqual(group, "has a mask", has_mask_a, has_mask_b));
+    if (has_mask_a != has_mask_b)
+      Add(CompareEqual(group, "has a mask", has_mask_a, has_mask_b));
     if (compared.mask_share) AddMeasured(group, "mask", "mask", *compared.mask_share, 1.0);
     if (!compared.problem.empty()) {
       ComparedQuantity quantity{.group = group, .name = "picture"};
@@ -309,8 +313,9 @@ class SessionComparer {
     }
     const PictureDifference& found = compared.difference;
     const std::size_t count = frames_.pairs.size();
-    const double brightness_sigmas =
-        found.brightness_sigma > 0.0 ? std::abs(found.brightness) / found.brightness_sigma : 0.0;
+    const double brightness_sigmas = found.brightness_sigma > 0.0
+                                         ? std::abs(found.brightness) / found.brightness_sigma
+                                         : 0.0;
     AddPicture(group, "brightness", "brightness", std::abs(found.brightness), brightness_sigmas,
                count, Format("; B is %+.3g %% brighter", 100.0 * found.brightness));
     AddPicture(group, "picture_level", "levels of blocks", found.level_rms, found.level_sigmas,

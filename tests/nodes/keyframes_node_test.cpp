@@ -178,6 +178,25 @@ INSTANTIATE_TEST_SUITE_P(Devices, UnpluggedForGood,
                                          rig::sim::FaultDevice::kCamera),
                          [](const auto& info) { return rig::sim::FaultWord(info.param); });
 
+TEST(KeyframesNode, ADeviceThatStaysLostEndsTheCaptureInTime) {
+  MockRigOptions options = SmallCapture();
+  options.plan.retries = 50;
+  options.keyframes_params = "{retry_wait_ms: 200, lost_timeout_s: 3}";
+  rig::sim::FaultEntry unplugged = FaultAt(FaultKind::kUnplugged, 60.0);
+  unplugged.amount = 1e7;
+  options.faults = {unplugged};
+  const MockRigRun run = RunMockRig(options);
+  ASSERT_TRUE(run.report.failure);
+  EXPECT_EQ(run.report.failure->code, "device");
+  EXPECT_EQ(run.brackets.size(), 2u);
+  const auto lasted = run.report.ended_at - run.faults->Fired().front().time;
+  EXPECT_GE(lasted, std::chrono::seconds(3));
+  EXPECT_LE(lasted, std::chrono::seconds(4));
+  // One that is back sooner is gone on with.
+  options.faults.front().amount = 1000.0;
+  EXPECT_EQ(RunMockRig(options).brackets.size(), 4u);
+}
+
 // Frame ids of cameras count in 16 bits and skip 0.
 TEST(KeyframesNode, FrameIdsMayWrap) {
   MockRigOptions options = SmallCapture();

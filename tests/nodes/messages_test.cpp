@@ -58,6 +58,7 @@ TEST(Messages, ComeBackAsTheyWere) {
   keyframe.linear.saturated = cv::Mat1b(3, 4, std::uint8_t{255});
   keyframe.X_WT.translation = {1.0, 2.0, 3.0};
   ExpectSameBytesAgain(keyframe);
+  ExpectSameBytesAgain(Pace{1.0, 2.0, 3.0, 4.0, 5.0});
   ExpectSameBytesAgain(Estimate{3, 12, {LightNow{}, LightNow{}}, 0.01});
   ExpectSameBytesAgain(MoveGoal{{358.0, 360.0}, rig::DeviceTime(7)});
   ExpectSameBytesAgain(ExposeResult{bracket.exposures[0], "why"});

@@ -43,7 +43,8 @@ std::string GraphText(const MockRigOptions& options) {
   const bool whole = !options.session.empty();
   std::string text = "graph:\n  executor: " + options.executor + R"(
   nodes:
-    keyframes: {type: keyframes, params: {retry_wait_ms: 200}}
+    keyframes: {type: keyframes, params: )" +
+                     options.keyframes_params + R"(}
     turntable: {type: turntable, params: {poll_ms: 10, home_timeout_s: 20}}
     camera: {type: camera}
 )";

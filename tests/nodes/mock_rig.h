@@ -33,6 +33,7 @@ struct MockRigOptions {
   FileOps* disk = &SystemFileOps();  // of the recorder
   std::string to_estimator = "policy: block, capacity: 64";
   std::string estimator_params = "{every: 4}";
+  std::string keyframes_params = "{retry_wait_ms: 200}";
   std::filesystem::path log;
   std::filesystem::path replay;  // given: this log is replayed instead
   // Puts another camera in front of the simulated one.
