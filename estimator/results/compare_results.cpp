@@ -230,7 +230,7 @@ const std::vector<QuantityWord>& ResultQuantities() {
       {"specular_product", {}}, {"albedo", {}},           {"ambient", {}},
       {"diffuse", {}},          {"specular", {}},         {"shininess", {}},
       {"roughness_deg", {}},    {"ambient_product", {}},  {"rms", {.relative = kRmsTolerance}}};
-  return words;
+  return kWords;
 }
 
 std::vector<std::optional<std::size_t>> PartnersByDirection(const std::vector<ReportedLight>& a,

@@ -343,7 +343,7 @@ Result<std::string> VerifiedContent(const std::filesystem::path& root) {
 }  // namespace
 
 const std::vector<QuantityWord>& SessionQuantities() {
-  static const std::vector<QuantityWord> words{
+  static const std::vector<QuantityWord> kWords{
       {"camera_px", {.absolute = kLensShiftPx}},
       {"angle_deg", {}},
       {"angle_measured_deg", {.absolute = kMeasuredAngleDeg}},
@@ -356,7 +356,7 @@ const std::vector<QuantityWord>& SessionQuantities() {
       {"picture_level", {}},
       {"picture_shift", {}},
       {"picture_block", {}}};
-  return words;
+  return kWords;
 }
 
 Result<Comparison> CompareSessions(const std::filesystem::path& a, const std::filesystem::path& b,

@@ -30,8 +30,8 @@ estimator::Estimate AnEstimate() {
 
 void WriteResult(const estimator::Estimate& estimate, const std::filesystem::path& file) {
   std::filesystem::create_directories(file.parent_path());
-  WriteText(file, estimator::results::ResultToJson(
-                      estimate, "s", estimator::results::Method::kLeastSquares, {}));
+  WriteText(file, estimator::results::ResultToJson(estimate, "s",
+                                                   estimator::results::Method::kLeastSquares, {}));
 }
 
 // a: an estimate; b: the same, its near light 20 sigmas further away.
@@ -58,20 +58,21 @@ TEST(Compare, ResultsThatAreDifferent) {
   const Outcome outcome = RunProgram({"compare", folder / "a", folder / "b"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.out, HasSubstr("results: different, 1 of "));
-  EXPECT_THAT(outcome.out, HasSubstr("  light 1: distance  700  735.072  35.1        20      3 sigmas"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("  light 1: distance  700  735.072  35.1        20      3 sigmas"));
 }
 
 TEST(Compare, ATolerance) {
   const TemporaryFolder folder;
   WriteTwoResults(folder);
   WriteText(folder / "t.yaml", "result: {distance: {relative: 0.1}}\n");
-  EXPECT_EQ(
-      RunProgram({"compare", folder / "a", folder / "b", "--tolerance", folder / "t.yaml"}).exit_code,
-      0);
+  EXPECT_EQ(RunProgram({"compare", folder / "a", folder / "b", "--tolerance", folder / "t.yaml"})
+                .exit_code,
+            0);
   WriteText(folder / "t.yaml", "result: {distance: {relative: 0.1, require: both}}\n");
-  EXPECT_EQ(
-      RunProgram({"compare", folder / "a", folder / "b", "--tolerance", folder / "t.yaml"}).exit_code,
-      3);
+  EXPECT_EQ(RunProgram({"compare", folder / "a", folder / "b", "--tolerance", folder / "t.yaml"})
+                .exit_code,
+            3);
 }
 
 TEST(Compare, TheExampleToleranceFileIsGood) {
@@ -139,7 +140,8 @@ TEST(Compare, Sessions) {
       RunProgram({"compare", folder / "a", folder / "c", "--junit", folder / "j.xml"});
   EXPECT_EQ(other_noise.exit_code, 0) << other_noise.out;
   EXPECT_THAT(other_noise.out, HasSubstr("sessions: the same"));
-  EXPECT_THAT(ReadText(folder / "j.xml"), AllOf(HasSubstr("sessions.frame 1"), HasSubstr("failures=\"0\"")));
+  EXPECT_THAT(ReadText(folder / "j.xml"),
+              AllOf(HasSubstr("sessions.frame 1"), HasSubstr("failures=\"0\"")));
   config.motion.step_deg += 0.5;
   WriteSession(config, folder / "d");
   const Outcome different = RunProgram({"compare", folder / "a", folder / "d"});

@@ -1,6 +1,6 @@
-// Proves: two captures of one scene are the same in every one of many seeds; a frame at a wrong angle
-// (0.1 degree), another brightness (1 %), and each other thing that is not the same are found and
-// named; a session that is not good is refused. Pictures alone: picture_difference_test.
+// Proves: two captures of one scene are the same in every one of many seeds; a frame at a wrong
+// angle (0.1 degree), another brightness (1 %), and each other thing that is not the same are found
+// and named; a session that is not good is refused. Pictures alone: picture_difference_test.
 #include "rig/session/compare_sessions.h"
 
 #include <gmock/gmock.h>
@@ -71,9 +71,8 @@ TEST(CompareSessions, AFrameAtAWrongAngleIsFoundAndNamed) {
   RecordTable(Rendered(), 1, folder.path() / "a");
   RecordTable(wrong, 2, folder.path() / "b");
   const Comparison comparison = ComparedSessions(folder.path() / "a", folder.path() / "b");
-  EXPECT_THAT(DifferentIn(comparison),
-              AllOf(Contains("frame 1 (30.0 deg): shifts of blocks"),
-                    Each(StartsWith("frame 1 (30.0 deg): "))));
+  EXPECT_THAT(DifferentIn(comparison), AllOf(Contains("frame 1 (30.0 deg): shifts of blocks"),
+                                             Each(StartsWith("frame 1 (30.0 deg): "))));
 }
 
 TEST(CompareSessions, ABrightnessOfOneFrameIsFoundAndNamed) {
@@ -85,11 +84,11 @@ TEST(CompareSessions, ABrightnessOfOneFrameIsFoundAndNamed) {
   const Comparison comparison = ComparedSessions(folder.path() / "a", folder.path() / "b");
   EXPECT_THAT(DifferentIn(comparison), AllOf(Contains("frame 2 (60.0 deg): brightness"),
                                              Each(StartsWith("frame 2 (60.0 deg): "))));
-  const auto found = std::find_if(comparison.quantities.begin(), comparison.quantities.end(),
-                                  [](const ComparedQuantity& quantity) {
-                                    return quantity.group == "frame 2 (60.0 deg)" &&
-                                           quantity.name == "brightness";
-                                  });
+  const auto found =
+      std::find_if(comparison.quantities.begin(), comparison.quantities.end(),
+                   [](const ComparedQuantity& quantity) {
+                     return quantity.group == "frame 2 (60.0 deg)" && quantity.name == "brightness";
+                   });
   EXPECT_NEAR(*found->difference, 0.01, 0.0005);
   EXPECT_THAT(found->remark, HasSubstr("% brighter"));
 }
@@ -109,7 +108,9 @@ std::vector<std::string> DifferentAfter(const std::function<void(Session&)>& cha
 TEST(CompareSessions, EverythingThatASessionSays) {
   const std::vector<std::pair<std::string, std::function<void(Session&)>>> changes{
       {"session: lens, largest shift",
-       [](Session& s) { s.camera = calib::CameraModel::Pinhole(320, 240, 640.1, 640, 159.5, 119.5); }},
+       [](Session& s) {
+         s.camera = calib::CameraModel::Pinhole(320, 240, 640.1, 640, 159.5, 119.5);
+       }},
       {"radiometry: white", [](Session& s) { s.radiometry.white = s.radiometry.white + 1.0; }},
       {"radiometry: white_balance", [](Session& s) { s.radiometry.white_balance[0] = 1.01; }},
       {"session: length unit", [](Session& s) { s.length_unit = "m"; }},

@@ -63,8 +63,8 @@ void ExpectChance(const std::function<cv::Mat(std::uint64_t)>& record,
 
 TEST(PictureDifference, OneViewDiffersByChance) {
   // The background is 0 and its noise cut off there.
-  ExpectChance([](std::uint64_t seed) { return Recorded(CleanView(), seed, 0); },
-               TableRadiometry(), false);
+  ExpectChance([](std::uint64_t seed) { return Recorded(CleanView(), seed, 0); }, TableRadiometry(),
+               false);
 }
 
 TEST(PictureDifference, EightBitsAndABlackLevel) {
