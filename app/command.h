@@ -21,6 +21,7 @@ void AddEstimate(CLI::App& program, Action& action);
 void AddRender(CLI::App& program, Action& action);
 void AddSynthesize(CLI::App& program, Action& action);
 void AddVerify(CLI::App& program, Action& action);
+void AddCompare(CLI::App& program, Action& action);
 void AddConfig(CLI::App& program, Action& action);
 void AddDevices(CLI::App& program, Action& action);
 void AddHome(CLI::App& program, Action& action);

@@ -32,6 +32,7 @@ void Configure(CLI::App& program, Action& action) {
   AddRender(program, action);
   AddSynthesize(program, action);
   AddVerify(program, action);
+  AddCompare(program, action);
   AddConfig(program, action);
   AddDevices(program, action);
   AddHome(program, action);

@@ -8,6 +8,7 @@ namespace turnlight::app {
 inline constexpr int kDone = 0;
 inline constexpr int kRefused = 2;     // usage, config or input
 inline constexpr int kIncomplete = 3;  // some frames lost, the rest kept
+inline constexpr int kDifferent = 3;   // of `compare`
 inline constexpr int kDeviceFault = 4;
 inline constexpr int kNoEstimate = 5;
 inline constexpr int kInterrupted = 130;

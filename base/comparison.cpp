@@ -9,7 +9,7 @@
 namespace turnlight {
 namespace {
 
-constexpr int kDigits = 4;            // of numbers in messages
+constexpr int kDigits = 4;  // of numbers in messages
 constexpr double kMaxSigmas = 1e6;
 constexpr double kMaxTolerance = 1e12;
 
@@ -26,17 +26,16 @@ Result<Tolerance> ReadTolerance(StrictObject object) {
   tolerance.relative = object.OptionalNumber("relative", {.min = 0.0, .max = kMaxTolerance});
   tolerance.sigmas = object.OptionalNumber("sigmas", {.min = 0.0, .max = kMaxSigmas});
   tolerance.both = ReadRequire(object);
-  if (object.ok() && !tolerance.absolute && !tolerance.relative && !tolerance.sigmas)
-    object.RefuseText("absolute", "none of absolute, relative and sigmas is given, allowed is one "
-                                  "of them or more");
   if (Status status = object.Finish(); !status) return Forward(status);
-  return tolerance;
+  if (tolerance.absolute || tolerance.relative || tolerance.sigmas) return tolerance;
+  object.RefuseText(
+      "absolute", "none of absolute, relative and sigmas is given, allowed is one of them or more");
+  return Forward(object.Finish());
 }
 
 std::string WhyDifferent(const ComparedQuantity& quantity) {
   std::string text = "differ by " + NumberText(*quantity.difference, kDigits);
-  if (quantity.sigmas)
-    text += ", " + NumberText(*quantity.sigmas, kDigits) + " sigmas";
+  if (quantity.sigmas) text += ", " + NumberText(*quantity.sigmas, kDigits) + " sigmas";
   std::vector<std::string> limits;
   if (quantity.sigmas_limit)
     limits.push_back(NumberText(*quantity.sigmas_limit, kDigits) + " sigmas");
@@ -72,8 +71,8 @@ Tolerances StandardTolerances(const std::vector<QuantityWord>& words) {
 
 Result<Tolerances> ReadTolerances(StrictObject object, const std::vector<QuantityWord>& words) {
   Tolerances tolerances = StandardTolerances(words);
-  tolerances.sigmas = object.OptionalNumber("sigmas", {.min = 0.0, .max = kMaxSigmas})
-                          .value_or(tolerances.sigmas);
+  tolerances.sigmas =
+      object.OptionalNumber("sigmas", {.min = 0.0, .max = kMaxSigmas}).value_or(tolerances.sigmas);
   tolerances.both = ReadRequire(object).value_or(tolerances.both);
   for (const QuantityWord& word : words) {
     auto named = object.OptionalObject(word.word);
@@ -103,8 +102,8 @@ void Judge(double difference, std::optional<double> sigmas, double size, const T
   }
   const auto kept = static_cast<std::size_t>(std::count(within.begin(), within.end(), true));
   // Not a number is within nothing.
-  const bool same = difference == 0.0 || (quantity.both ? !within.empty() && kept == within.size()
-                                                        : kept > 0);
+  const bool same =
+      difference == 0.0 || (quantity.both ? !within.empty() && kept == within.size() : kept > 0);
   quantity.verdict = same ? Verdict::kSame : Verdict::kDifferent;
   if (!same) quantity.why = WhyDifferent(quantity);
 }

@@ -25,17 +25,18 @@ namespace turnlight {
 enum class Verdict { kSame, kDifferent, kNotJudged };
 
 struct ComparedQuantity {
-  std::string group{};    // "light 1", "frame 3 (30.0 deg)"
-  std::string quantity{}; // its word in a tolerance file, such as "albedo"; "" if it must be equal
-  std::string name{};     // "albedo, red"
+  std::string group{};     // "light 1", "frame 3 (30.0 deg)"
+  std::string quantity{};  // its word in a tolerance file, such as "albedo"; "" if it must be equal
+  std::string name{};      // "albedo, red"
   nlohmann::json a = nullptr, b = nullptr;  // numbers, words, lists; null: not known
-  std::optional<double> difference{};    // at least 0, in the quantity's unit
-  std::optional<double> sigmas{};        // the difference in sigmas
-  std::optional<double> sigmas_limit{};  // allowed of it; nothing if there are no sigmas
-  std::optional<double> allowed{};       // of the difference, by the stated tolerance
-  bool both = false;                   // both limits have to be kept
+  std::optional<double> difference{};       // at least 0, in the quantity's unit
+  std::optional<double> sigmas{};           // the difference in sigmas
+  std::optional<double> sigmas_limit{};     // allowed of it; nothing if there are no sigmas
+  std::optional<double> allowed{};          // of the difference, by the stated tolerance
+  bool both = false;                        // both limits have to be kept
   Verdict verdict = Verdict::kSame;
-  std::string why{};  // of what is different or not judged, for people
+  std::string why{};     // of what is different or not judged, for people
+  std::string remark{};  // what else people should know of it if it is different
 };
 
 struct Comparison {
@@ -74,7 +75,8 @@ Tolerances StandardTolerances(const std::vector<QuantityWord>& words);
 // A section of a tolerance file:
 //   {sigmas: 3, require: either|both, WORD: {absolute: A, relative: R, sigmas: S, require: ...}}
 // every key optional, with the words' standards for those that are not named; a word that is named
-// states all of its tolerance. Refused (kInput): other keys, numbers below 0, a word without limits.
+// states all of its tolerance. Refused (kInput): other keys, numbers below 0, a word without
+// limits.
 Result<Tolerances> ReadTolerances(StrictObject object, const std::vector<QuantityWord>& words);
 
 // One side of a quantity.

@@ -18,8 +18,8 @@ constexpr const char* kChannels[] = {"red", "green", "blue"};
 // does not reach by far, and worse pictures or a worse model do.
 constexpr double kRmsTolerance = 0.05;
 constexpr const char* kOtherGauge =
-    "not judged: the strongest light or the brightest channel is another, and with it what this "
-    "is relative to; the products judge it";
+    "the strongest light or the brightest channel, to which this is relative, is another; the "
+    "products judge it";
 
 double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return RadToDeg(std::atan2(a.cross(b).norm(), a.dot(b)));
@@ -44,9 +44,9 @@ std::vector<std::size_t> BestAssignment(const Eigen::MatrixXd& cost) {
       std::size_t next = 0;
       for (std::size_t j = 1; j <= columns; ++j) {
         if (reached[j]) continue;
-        const double reduced = cost(static_cast<Eigen::Index>(row_of[column] - 1),
-                                    static_cast<Eigen::Index>(j - 1)) -
-                               row_potential[row_of[column]] - column_potential[j];
+        const double reduced =
+            cost(static_cast<Eigen::Index>(row_of[column] - 1), static_cast<Eigen::Index>(j - 1)) -
+            row_potential[row_of[column]] - column_potential[j];
         if (reduced < least[j]) {
           least[j] = reduced;
           before[j] = column;
@@ -96,7 +96,8 @@ class ResultComparer {
   bool SameBrightestChannel() const {
     const auto brightest = [](const MeasuredColour& albedo) {
       double most = 0.0;
-      for (const MeasuredValue& channel : albedo) most = std::max(most, channel.value.value_or(0.0));
+      for (const MeasuredValue& channel : albedo)
+        most = std::max(most, channel.value.value_or(0.0));
       return most;
     };
     const double of_a = brightest(a_.albedo), of_b = brightest(b_.albedo);
@@ -223,22 +224,13 @@ class ResultComparer {
 }  // namespace
 
 const std::vector<QuantityWord>& ResultQuantities() {
-  static const std::vector<QuantityWord> words{{"direction_deg", {}},
-                                               {"inverse_distance", {}},
-                                               {"distance", {}},
-                                               {"intensity", {}},
-                                               {"light_color", {}},
-                                               {"diffuse_product", {}},
-                                               {"specular_product", {}},
-                                               {"albedo", {}},
-                                               {"ambient", {}},
-                                               {"diffuse", {}},
-                                               {"specular", {}},
-                                               {"shininess", {}},
-                                               {"roughness_deg", {}},
-                                               {"ambient_product", {}},
-                                               {"rms", {.relative = kRmsTolerance}}};
-  return words;
+  static const std::vector<QuantityWord> kWords{
+      {"direction_deg", {}},    {"inverse_distance", {}}, {"distance", {}},
+      {"intensity", {}},        {"light_color", {}},      {"diffuse_product", {}},
+      {"specular_product", {}}, {"albedo", {}},           {"ambient", {}},
+      {"diffuse", {}},          {"specular", {}},         {"shininess", {}},
+      {"roughness_deg", {}},    {"ambient_product", {}},  {"rms", {.relative = kRmsTolerance}}};
+  return kWords;
 }
 
 std::vector<std::optional<std::size_t>> PartnersByDirection(const std::vector<ReportedLight>& a,

@@ -99,12 +99,12 @@ Status ReadReportedReflectance(StrictObject object, ReportedResult& result) {
 // The i-th element of a list; null of a missing list.
 const nlohmann::json& Element(StrictObject& object, const std::string& key, std::size_t i,
                               std::size_t count) {
-  static const nlohmann::json null;
+  static const nlohmann::json kNull;
   const nlohmann::json& list = object.Raw(key);
-  if (list.is_null()) return null;
+  if (list.is_null()) return kNull;
   if (list.is_array() && list.size() == count) return list[i];
   object.Refuse(key, "a list with one element for each light");
-  return null;
+  return kNull;
 }
 
 Status ReadProducts(StrictObject object, ReportedResult& result) {

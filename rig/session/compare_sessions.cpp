@@ -21,8 +21,10 @@ namespace {
 
 using nlohmann::json;
 
-// What captures of one rig differ by that does not matter, where no file says something else: an
+// What captures of one rig differ by that does not matter, where no file says something else: a
+// lens's rounding, an
 // encoder's last digits, poses from measured angles, outlines that noise moves.
+constexpr double kLensShiftPx = 1e-6;
 constexpr double kMeasuredAngleDeg = 0.01;
 constexpr double kPoseRotationDeg = 0.001;
 constexpr double kPoseShift = 1e-5;  // of the distance between camera and target
@@ -53,8 +55,8 @@ FramePairs PairFrames(const Session& a, const Session& b) {
       frames.only_b.push_back(j);
   }
   for (std::size_t i = 0; i < a.frames.size(); ++i) {
-    const auto found = a.frames[i].angle_deg ? of_angle.find(*a.frames[i].angle_deg)
-                                             : of_angle.end();
+    const auto found =
+        a.frames[i].angle_deg ? of_angle.find(*a.frames[i].angle_deg) : of_angle.end();
     if (found == of_angle.end()) {
       frames.only_a.push_back(i);
       continue;
@@ -66,8 +68,8 @@ FramePairs PairFrames(const Session& a, const Session& b) {
   return frames;
 }
 
-// The largest distance in the picture between where the two lenses see one direction; infinite where
-// only one of them sees it.
+// The largest distance in the picture between where the two lenses see one direction; infinite
+// where only one of them sees it.
 double LargestLensShift(const calib::CameraModel& a, const calib::CameraModel& b) {
   constexpr int kSteps = 16;  // of the grid, along each side
   std::vector<Eigen::Vector2d> points;
@@ -91,29 +93,27 @@ json RadiometryToJson(const Session& session) {
   const auto or_null = [](const std::optional<double>& value) {
     return value ? json(*value) : json();
   };
-  static const std::map<calib::Encoding, std::string> kWords{
-      {calib::Encoding::kLinear, "linear"},
-      {calib::Encoding::kSrgb, "srgb"},
-      {calib::Encoding::kGamma, "gamma"}};
-  return {{"encoding", kWords.at(radiometry.encoding)},
-          {"gamma", radiometry.encoding == calib::Encoding::kGamma ? json(radiometry.gamma)
-                                                                   : json()},
-          {"black", radiometry.black},
-          {"white", radiometry.white},
-          {"saturation", radiometry.SaturationDn()},
-          {"reference_exposure_us", or_null(radiometry.reference_exposure_us)},
-          {"reference_gain_db", or_null(radiometry.reference_gain_db)},
-          {"white_balance", radiometry.white_balance},
-          {"bayer", session.bayer ? json(*session.bayer) : json()}};
+  static const std::map<calib::Encoding, std::string> kWords{{calib::Encoding::kLinear, "linear"},
+                                                             {calib::Encoding::kSrgb, "srgb"},
+                                                             {calib::Encoding::kGamma, "gamma"}};
+  return {
+      {"encoding", kWords.at(radiometry.encoding)},
+      {"gamma", radiometry.encoding == calib::Encoding::kGamma ? json(radiometry.gamma) : json()},
+      {"black", radiometry.black},
+      {"white", radiometry.white},
+      {"saturation", radiometry.SaturationDn()},
+      {"reference_exposure_us", or_null(radiometry.reference_exposure_us)},
+      {"reference_gain_db", or_null(radiometry.reference_gain_db)},
+      {"white_balance", radiometry.white_balance},
+      {"bayer", session.bayer ? json(*session.bayer) : json()}};
 }
 
 Result<json> TargetToJson(const Session& session) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&session.target))
     return json{{"shape", "sphere"}, {"radius", sphere->radius}};
   if (const auto* plane = std::get_if<calib::PlaneShape>(&session.target))
-    return json{{"shape", "plane"},
-                {"size", {plane->width, plane->height}},
-                {"sides", plane->sides}};
+    return json{
+        {"shape", "plane"}, {"size", {plane->width, plane->height}}, {"sides", plane->sides}};
   const auto bytes = ReadFile(session.root / std::get<MeshFile>(session.target).path);
   if (!bytes) return Forward(bytes);
   return json{{"shape", "mesh"}, {"sha256", Sha256Hex(*bytes)}};
@@ -235,9 +235,8 @@ class SessionComparer {
 
   Result<std::vector<ComparedPictures>> ComparePairs() const {
     std::vector<Result<ComparedPictures>> compared(frames_.pairs.size());
-    ParallelFor(compared.size(), [&](std::size_t i) {
-      compared[i] = ReadAndCompare(a_, b_, frames_.pairs[i]);
-    });
+    ParallelFor(compared.size(),
+                [&](std::size_t i) { compared[i] = ReadAndCompare(a_, b_, frames_.pairs[i]); });
     std::vector<ComparedPictures> pictures;
     for (auto& pair : compared) {
       if (!pair) return Forward(pair);
@@ -287,12 +286,12 @@ class SessionComparer {
   // count: of how many values this is the largest.
   void AddPicture(const std::string& group, const std::string& word, const std::string& name,
                   double difference, double sigmas, std::size_t count,
-                  const std::string& where = "") {
+                  const std::string& remark = "") {
     ComparedQuantity quantity{.group = group, .quantity = word, .name = name};
     Tolerance tolerance = tolerances_.Of(word);
     tolerance.sigmas = LimitOfLargest(*tolerance.sigmas, std::max<std::size_t>(count, 1));
     Judge(difference, std::max(0.0, sigmas), 1.0, tolerance, quantity);
-    if (!quantity.why.empty()) quantity.why += where;
+    quantity.remark = remark;
     Add(std::move(quantity));
   }
 
@@ -300,8 +299,7 @@ class SessionComparer {
     const std::string group = LabelOf(pair);
     const bool has_mask_a = a_.frames[pair.a].mask.has_value();
     const bool has_mask_b = b_.frames[pair.b].mask.has_value();
-    if (has_mask_a != has_mask_b)
-      Add(CompareEqual(group, "has a mask", has_mask_a, has_mask_b));
+    if (has_mask_a != has_mask_b) Add(CompareEqual(group, "has a mask", has_mask_a, has_mask_b));
     if (compared.mask_share) AddMeasured(group, "mask", "mask", *compared.mask_share, 1.0);
     if (!compared.problem.empty()) {
       ComparedQuantity quantity{.group = group, .name = "picture"};
@@ -313,17 +311,16 @@ class SessionComparer {
     }
     const PictureDifference& found = compared.difference;
     const std::size_t count = frames_.pairs.size();
-    const double brightness_sigmas = found.brightness_sigma > 0.0
-                                         ? std::abs(found.brightness) / found.brightness_sigma
-                                         : 0.0;
+    const double brightness_sigmas =
+        found.brightness_sigma > 0.0 ? std::abs(found.brightness) / found.brightness_sigma : 0.0;
     AddPicture(group, "brightness", "brightness", std::abs(found.brightness), brightness_sigmas,
-               count, Format("; B is %+.3g %% brighter", 100.0 * found.brightness));
+               count, Format("B is %+.3g %% brighter", 100.0 * found.brightness));
     AddPicture(group, "picture_level", "levels of blocks", found.level_rms, found.level_sigmas,
                count);
     AddPicture(group, "picture_shift", "shifts of blocks", found.shift_rms_px, found.shift_sigmas,
-               count, "; something moved: is the table at this angle?");
+               count, "something moved: was the table at this angle?");
     AddPicture(group, "picture_block", "largest block", found.largest, found.largest_sigmas, blocks,
-               Format("; at pixel (%d, %d)", found.largest_at.x, found.largest_at.y));
+               Format("at pixel (%d, %d)", found.largest_at.x, found.largest_at.y));
   }
 
   const Session& a_;
@@ -346,8 +343,8 @@ Result<std::string> VerifiedContent(const std::filesystem::path& root) {
 }  // namespace
 
 const std::vector<QuantityWord>& SessionQuantities() {
-  static const std::vector<QuantityWord> words{
-      {"camera_px", {}},
+  static const std::vector<QuantityWord> kWords{
+      {"camera_px", {.absolute = kLensShiftPx}},
       {"angle_deg", {}},
       {"angle_measured_deg", {.absolute = kMeasuredAngleDeg}},
       {"exposure_us", {}},
@@ -359,7 +356,7 @@ const std::vector<QuantityWord>& SessionQuantities() {
       {"picture_level", {}},
       {"picture_shift", {}},
       {"picture_block", {}}};
-  return words;
+  return kWords;
 }
 
 Result<Comparison> CompareSessions(const std::filesystem::path& a, const std::filesystem::path& b,
