@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "app/progress.h"
+#include "base/format.h"
 
 namespace turnlight::app {
 namespace {
@@ -58,6 +59,25 @@ std::string CaptureDisplay::Cut(const std::string& line, std::size_t columns) {
   return line;
 }
 
+std::string CaptureDisplay::PaceText(const nodes::Pace& pace, std::size_t frames, double seconds) {
+  const auto share = [&](double part) { return Format("%.0f %%", 100.0 * part / seconds); };
+  std::string text = Format("%zu frames in %.1f s, %.1f a minute", frames, seconds,
+                            60.0 * static_cast<double>(frames) / seconds);
+  text += "; waited for the stage " + share(pace.stage) + ", its settling " + share(pace.settling) +
+          ", the camera " + share(pace.camera) + ", the disk " + share(pace.storing);
+  return pace.resting > 0.0 ? text + ", before repetitions " + share(pace.resting) : text;
+}
+
+void CaptureDisplay::OnPace(const nodes::Pace& pace) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pace_.stage += pace.stage;
+  pace_.settling += pace.settling;
+  pace_.camera += pace.camera;
+  pace_.storing += pace.storing;
+  pace_.resting += pace.resting;
+  ++paced_;
+}
+
 void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++done_;
@@ -94,9 +114,12 @@ bool CaptureDisplay::Showed(const std::string& line) {
   return shown_.contains(line);
 }
 
-void CaptureDisplay::End() {
+void CaptureDisplay::End(bool real_time) {
   const std::lock_guard<std::mutex> lock(mutex_);
   drawn_ = 0;
+  if (!real_time || paced_ == 0) return;
+  std::fprintf(stderr, "%s\n", PaceText(pace_, paced_, stopwatch_.Seconds()).c_str());
+  std::fflush(stderr);
 }
 
 void CaptureDisplay::Show(const std::string& event) {

@@ -22,9 +22,10 @@ class CaptureDisplay {
   void OnBracket(const nodes::Bracket& bracket);
   void OnEstimate(const nodes::Estimate& estimate);
   void OnLine(const std::string& line);
+  void OnPace(const nodes::Pace& pace);
 
-  // After the run: leaves what is on the terminal there.
-  void End();
+  // After the run: leaves what is on the terminal there. With real time, tells where it went.
+  void End(bool real_time);
   // Whether OnLine was called with it.
   bool Showed(const std::string& line);
   // All that came, in their order.
@@ -33,6 +34,8 @@ class CaptureDisplay {
   // "frame 3/36 at 20\u00b0, 1 retry".
   static std::string BracketText(const nodes::Bracket& bracket, std::size_t done,
                                  std::size_t total);
+  // "36 frames in 41.3 s, 52.3 a minute; waited for the stage 61 %, ...". seconds: since it began.
+  static std::string PaceText(const nodes::Pace& pace, std::size_t frames, double seconds);
   // "(+0.505, +0.202, +0.841) \u00b1 0.05\u00b0".
   static std::string LightText(const nodes::LightNow& light);
   // The first columns of a line, each character counted as one.
@@ -52,6 +55,8 @@ class CaptureDisplay {
   std::string frame_text_;
   std::vector<nodes::Estimate> estimates_;
   std::set<std::string> shown_;
+  nodes::Pace pace_;  // of all keyframes
+  std::size_t paced_ = 0;
   std::size_t drawn_ = 0;  // lines on the terminal
 };
 

@@ -64,6 +64,10 @@ Status Tap(Prepared& run) {
       status = run.graph->Tap<nodes::Bracket>(
           node.name + ".bracket",
           [display](const nodes::graph::Message<nodes::Bracket>& m) { display->OnBracket(*m); });
+    if (status && node.type == "keyframes")
+      status = run.graph->Tap<nodes::Pace>(
+          node.name + ".pace",
+          [display](const nodes::graph::Message<nodes::Pace>& m) { display->OnPace(*m); });
     if (node.type == "estimator")
       status = run.graph->Tap<nodes::Estimate>(
           node.name + ".estimate",
@@ -212,7 +216,8 @@ int RunGraph(Prepared& run, const RunFolder& folder, const fs::path& log = {}) {
   options.log = folder.NextLog();
   const auto report = log.empty() ? run.graph->Run(options) : run.graph->Replay(log, options);
   if (!report) return FailIn(folder, report.error());
-  run.display->End();
+  const bool wall = run.config.graph.executor == nodes::graph::ExecutorKind::kWall;
+  run.display->End(log.empty() && wall);
   const auto& failure = report->failure;
   const RunOutcome outcome{*report, failure && run.display->Showed(nodes::FaultLine(*failure)),
                            run.recorder->Missing().size(), folder.complete(), Interrupted()};

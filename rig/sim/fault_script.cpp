@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kMaxAngleDeg = 1e6;
 constexpr double kMaxTimeS = 1e7;
+// What start + k * step loses.
+constexpr double kRoundingDeg = 1e-9;
 constexpr int kMaxTimes = 1'000'000;
 
 // What each fault is: its word, whose it is, its amount. A key of null: it has no amount.
@@ -24,14 +26,15 @@ struct KindFacts {
   double amount;
   double min;
   double max;
-  bool survivable;  // a capture that checks and retries gets through it by itself
+  bool survivable;    // a capture that checks and retries gets through it by itself
+  bool mocks = true;  // false: only simulated controllers on a serial line have it
 };
 
 constexpr FaultDevice kTable = FaultDevice::kTable;
 constexpr FaultDevice kCamera = FaultDevice::kCamera;
 
 // In the order of the enumeration.
-constexpr std::array<KindFacts, 22> kKinds{{
+constexpr std::array<KindFacts, 35> kKinds{{
     {FaultKind::kLostSteps, "lost_steps", kTable, "deg", 1.0, 0.0, 360.0, true},
     {FaultKind::kStall, "stall", kTable, nullptr, 0, 0, 0, true},
     {FaultKind::kLateArrival, "late_arrival", kTable, "ms", 400.0, 0.0, 1e7, true},
@@ -54,13 +57,31 @@ constexpr std::array<KindFacts, 22> kKinds{{
     {FaultKind::kSaturated, "saturated", kCamera, nullptr, 0, 0, 0, false},
     {FaultKind::kAllBlack, "all_black", kCamera, nullptr, 0, 0, 0, false},
     {FaultKind::kControlLost, "control_lost", kCamera, nullptr, 0, 0, 0, false},
+    {FaultKind::kSerialGarbage, "serial_garbage", kTable, "bytes", 40.0, 1.0, 1e5, true, false},
+    {FaultKind::kSplitLine, "split_line", kTable, "ms", 20.0, 0.0, 1e4, true, false},
+    {FaultKind::kNulBytes, "nul_bytes", kTable, nullptr, 0, 0, 0, true, false},
+    {FaultKind::kLongLine, "long_line", kTable, "bytes", 4096.0, 1.0, 1e5, true, false},
+    {FaultKind::kDroppedReply, "dropped_reply", kTable, nullptr, 0, 0, 0, true, false},
+    {FaultKind::kDuplicateReply, "duplicate_reply", kTable, nullptr, 0, 0, 0, true, false},
+    {FaultKind::kLateReply, "late_reply", kTable, "ms", 400.0, 0.0, 1e7, true, false},
+    {FaultKind::kLostStatus, "lost_status", kTable, nullptr, 0, 0, 0, true, false},
+    {FaultKind::kAlteredStatus, "altered_status", kTable, nullptr, 0, 0, 0, true, false},
+    {FaultKind::kSilent, "silent", kTable, "ms", 1500.0, 0.0, 1e7, false, false},
+    {FaultKind::kLimit, "limit", kTable, nullptr, 0, 0, 0, true, false},
+    {FaultKind::kStuckSwitch, "stuck_switch", kTable, nullptr, 0, 0, 0, false, false},
+    {FaultKind::kDisplaced, "displaced", kTable, "deg", 0.5, -360.0, 360.0, false, false},
 }};
 
 const KindFacts& Facts(FaultKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
-std::vector<std::string> AllWords() {
+bool Has(FaultWorld world, const KindFacts& facts) {
+  return facts.mocks || world == FaultWorld::kRealProtocols;
+}
+
+std::vector<std::string> WordsOf(FaultWorld world) {
   std::vector<std::string> words;
-  for (const KindFacts& facts : kKinds) words.emplace_back(facts.word);
+  for (const KindFacts& facts : kKinds)
+    if (Has(world, facts)) words.emplace_back(facts.word);
   return words;
 }
 
@@ -102,8 +123,8 @@ void ReadDevice(StrictObject& object, const KindFacts& facts, FaultEntry& entry)
     object.Refuse("device", FaultWord(*facts.device) + ", as " + facts.word + " is a fault of it");
 }
 
-Result<FaultEntry> ReadEntry(StrictObject& object, const KeyframeAngles& angles) {
-  const KindFacts& facts = FactsOfWord(object.Choice("fault", AllWords()));
+Result<FaultEntry> ReadEntry(StrictObject& object, const KeyframeAngles& angles, FaultWorld world) {
+  const KindFacts& facts = FactsOfWord(object.Choice("fault", WordsOf(world)));
   FaultEntry entry = MakeFault(facts.kind);
   ReadDevice(object, facts, entry);
   if (facts.amount_key)
@@ -116,15 +137,15 @@ Result<FaultEntry> ReadEntry(StrictObject& object, const KeyframeAngles& angles)
   return entry;
 }
 
-std::vector<FaultKind> ReadRandomKinds(StrictObject& object) {
+std::vector<FaultKind> ReadRandomKinds(StrictObject& object, FaultWorld world) {
   std::vector<FaultKind> kinds;
   const nlohmann::json& list = object.Raw("faults");
   if (list.is_null()) {
     for (const KindFacts& facts : kKinds)
-      if (facts.survivable) kinds.push_back(facts.kind);
+      if (facts.survivable && Has(world, facts)) kinds.push_back(facts.kind);
     return kinds;
   }
-  const std::vector<std::string> words = AllWords();
+  const std::vector<std::string> words = WordsOf(world);
   for (const auto& word : list) {
     if (!word.is_string() || std::find(words.begin(), words.end(), word) == words.end()) {
       kinds.clear();
@@ -138,12 +159,12 @@ std::vector<FaultKind> ReadRandomKinds(StrictObject& object) {
 }
 
 // Keyed by the keyframe: the same keyframes are struck whatever else the script says.
-Status ReadRandom(StrictObject object, const KeyframeAngles& angles,
+Status ReadRandom(StrictObject object, const KeyframeAngles& angles, FaultWorld world,
                   std::vector<FaultEntry>& entries) {
   const auto seed = static_cast<std::uint64_t>(
       object.OptionalInteger("seed", 0, std::int64_t{1} << 53).value_or(1));
   const double share = object.Number("share", {.min = 0.0, .max = 1.0});
-  const std::vector<FaultKind> kinds = ReadRandomKinds(object);
+  const std::vector<FaultKind> kinds = ReadRandomKinds(object, world);
   if (Status status = object.Finish(); !status) return status;
   for (int keyframe = 0; keyframe < angles.count; ++keyframe) {
     const RandomStream random(seed, static_cast<std::uint64_t>(keyframe));
@@ -155,10 +176,6 @@ Status ReadRandom(StrictObject object, const KeyframeAngles& angles,
     entries.push_back(entry);
   }
   return {};
-}
-
-bool SameAngle(double a_deg, double b_deg) {
-  return std::llround(a_deg * 1e6) == std::llround(b_deg * 1e6);
 }
 
 }  // namespace
@@ -176,17 +193,19 @@ FaultEntry MakeFault(FaultKind kind) {
   return entry;
 }
 
-Result<std::vector<FaultEntry>> ReadFaultScript(StrictObject object, const KeyframeAngles& angles) {
+Result<std::vector<FaultEntry>> ReadFaultScript(StrictObject object, const KeyframeAngles& angles,
+                                                FaultWorld world) {
   std::vector<FaultEntry> entries;
   if (object.Has("list")) {
     for (StrictObject& item : object.Objects("list", 0)) {
-      auto entry = ReadEntry(item, angles);
+      auto entry = ReadEntry(item, angles, world);
       if (!entry) return Forward(entry);
       entries.push_back(*entry);
     }
   }
   if (auto random = object.OptionalObject("random"))
-    if (Status status = ReadRandom(*random, angles, entries); !status) return Forward(status);
+    if (Status status = ReadRandom(*random, angles, world, entries); !status)
+      return Forward(status);
   object.Ignore("list");
   if (Status status = object.Finish(); !status) return Forward(status);
   return entries;
@@ -200,12 +219,19 @@ std::optional<FaultEntry> FaultScript::Strike(FaultKind kind, FaultDevice device
   for (FaultEntry& entry : entries_) {
     if (entry.kind != kind || entry.device != device || entry.times <= 0) continue;
     if (entry.from && now < *entry.from) continue;
-    if (entry.angle_deg && !SameAngle(*entry.angle_deg, commanded_deg)) continue;
+    if (entry.angle_deg &&
+        !(std::abs(*entry.angle_deg - commanded_deg) <= 0.5 * resolution_deg_ + kRoundingDeg))
+      continue;
     --entry.times;
     fired_.push_back({entry, now, commanded_deg});
     return entry;
   }
   return std::nullopt;
+}
+
+void FaultScript::SetResolution(double deg) {
+  const std::lock_guard lock(mutex_);
+  resolution_deg_ = deg;
 }
 
 std::vector<FiredFault> FaultScript::Fired() const {

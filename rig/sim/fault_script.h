@@ -40,6 +40,25 @@
 //   saturated                saturation: every pixel at the saturation
 //   all_black                all black: every pixel at the black level
 //   control_lost             control lost: triggers are accepted, no frame comes, until Open
+// Of simulated controllers on a serial line only (rig/sim/stage); mocks have no line and refuse
+// them. An occasion is a MoveTo to that angle for limit and displaced, a Home for stuck_switch, any
+// time for silent, and for the others a message of the kind named, while that angle is commanded:
+//   serial_garbage {bytes: 40}  serial garbage: so many random bytes come before a message
+//   split_line {ms: 20}      split lines: a message comes byte by byte, so far apart
+//   nul_bytes                NUL: three of them inside a message
+//   long_line {bytes: 4096}  over-long line: so many characters without an end before a message
+//   dropped_reply            dropped `ok`: the answer to a command does not come
+//   duplicate_reply          duplicate `ok`: it comes twice
+//   late_reply {ms: 400}     late `ok`: it comes so much later, what was said since comes before
+//   lost_status              swallowed status reply
+//   altered_status           altered status reply: one of its characters is another one
+//   silent {ms: 1500}        the controller hangs: nothing is answered for so long, then all of it
+//   limit                    alarm in a move: a limit switch stops it half-way
+//   stuck_switch             homing fails: its switch does not clear
+//   displaced {deg: 0.5}     moved by hand, 50 ms after it arrived; only an encoder sees it
+// Their unplugged is a hang-up of the line; the port comes back under another name. A controller
+// rounds what it is commanded, so an angle of the script fits within its resolution.
+//
 // Wrong steps per revolution, direction and backlash are no events: MockTurntableConfig has them.
 #pragma once
 
@@ -78,6 +97,19 @@ enum class FaultKind {
   kSaturated,
   kAllBlack,
   kControlLost,
+  kSerialGarbage,
+  kSplitLine,
+  kNulBytes,
+  kLongLine,
+  kDroppedReply,
+  kDuplicateReply,
+  kLateReply,
+  kLostStatus,
+  kAlteredStatus,
+  kSilent,
+  kLimit,
+  kStuckSwitch,
+  kDisplaced,
 };
 
 enum class FaultDevice { kTable, kCamera };
@@ -89,9 +121,9 @@ std::string FaultWord(FaultDevice device);
 struct FaultEntry {
   FaultKind kind = FaultKind::kLostSteps;
   FaultDevice device = FaultDevice::kTable;
-  std::optional<double> angle_deg;  // only while this angle is commanded (to a microdegree)
+  std::optional<double> angle_deg;  // only while this angle is commanded
   std::optional<DeviceTime> from;   // not before
-  double amount = 0.0;              // in the unit of the kind: deg, ms, share or dB
+  double amount = 0.0;              // in the unit of the kind: deg, ms, bytes, share or dB
   int times = 1;                    // 1..1000000
 };
 
@@ -105,8 +137,12 @@ struct KeyframeAngles {
   int count = 36;
 };
 
+// Whether the devices are mocks or are spoken to on their real protocols: those have more faults.
+enum class FaultWorld { kMocks, kRealProtocols };
+
 // The entries of a script, `random` drawn. Messages name file, line, key and what is allowed.
-Result<std::vector<FaultEntry>> ReadFaultScript(StrictObject object, const KeyframeAngles& angles);
+Result<std::vector<FaultEntry>> ReadFaultScript(StrictObject object, const KeyframeAngles& angles,
+                                                FaultWorld world = FaultWorld::kMocks);
 
 struct FiredFault {
   FaultEntry entry;
@@ -120,6 +156,8 @@ class FaultScript {
   FaultScript() = default;
   explicit FaultScript(std::vector<FaultEntry> entries);
 
+  // The table rounds what it is commanded to this much: an entry's angle fits within half of it.
+  void SetResolution(double deg);
   // Whether a fault of this kind strikes this device now; each strike is counted. Several entries
   // that fit strike one after the other, on one occasion each, in the order of the script.
   std::optional<FaultEntry> Strike(FaultKind kind, FaultDevice device, double commanded_deg,
@@ -133,6 +171,7 @@ class FaultScript {
   mutable std::mutex mutex_;
   std::vector<FaultEntry> entries_;  // times counts down
   std::vector<FiredFault> fired_;
+  double resolution_deg_ = 1e-6;
 };
 
 }  // namespace turnlight::rig::sim

@@ -59,14 +59,19 @@ std::optional<ConfigProblem> Validate(const MockCameraConfig& config) {
   return check.problem();
 }
 
-Status ReadTableDevice(StrictObject object, MockTurntableConfig& config) {
+void ReadTableKeys(StrictObject& object, MockTurntableConfig& config) {
   ReadField(object, "serial", config.serial);
   ReadField(object, "max_speed_deg_s", config.max_speed_deg_s);
   ReadField(object, "acceleration_deg_s2", config.acceleration_deg_s2);
   ReadField(object, "home_speed_deg_s", config.home_speed_deg_s);
   ReadField(object, "steps_per_deg", config.steps_per_deg);
-  if (object.OptionalChoice("feedback", {"open_loop", "encoder"}) == "open_loop")
-    config.feedback = TableFeedback::kOpenLoop;
+  const auto feedback = object.OptionalChoice("feedback", {"open_loop", "encoder"});
+  if (feedback)
+    config.feedback = *feedback == "encoder" ? TableFeedback::kEncoder : TableFeedback::kOpenLoop;
+}
+
+Status ReadTableDevice(StrictObject object, MockTurntableConfig& config) {
+  ReadTableKeys(object, config);
   return Settle(object, config);
 }
 

@@ -67,6 +67,8 @@ std::optional<ConfigProblem> CheckPhotographed(const SyntheticConfig& scene);
 // world: scale, backlash_deg, settle_amplitude_deg, settle_frequency_hz, settle_ms,
 // home_switch_deg, power_on_deg.
 Status ReadTableDevice(StrictObject object, MockTurntableConfig& config);
+// The keys of the device alone, where others stand beside them; Validate is the caller's to call.
+void ReadTableKeys(StrictObject& object, MockTurntableConfig& config);
 Status ReadTableWorld(StrictObject object, MockTurntableConfig& config);
 // Of the device: serial, readout_ms, first_frame_id, reports_trigger; of the world, where the scene
 // is not read: reference_exposure_us, trigger_latency_ms, blur_threshold_deg, blur_samples.

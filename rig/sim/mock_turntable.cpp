@@ -7,21 +7,17 @@
 #include <utility>
 
 #include "base/format.h"
+#include "rig/sim/turntable_segment.h"
+
 namespace turnlight::rig::sim {
 namespace {
 
 constexpr double kMaxCommandDeg = 36000.0;
 constexpr std::size_t kSegmentsKept = 64;
+// Of a displacement by hand, after the arrival.
+constexpr DeviceTime kUntilDisplaced = std::chrono::milliseconds(50);
 // Of a homing that never ends: the motor is stopped long before.
 constexpr double kEndlessSeconds = 1e6;
-
-double Seconds(DeviceTime time) { return static_cast<double>(time.count()) * 1e-9; }
-
-// One nanosecond more than needed, so that at the end the profile is over whatever was rounded.
-DeviceTime RoundUp(double seconds) {
-  if (seconds <= 0.0) return DeviceTime(0);
-  return DeviceTime(static_cast<std::int64_t>(std::ceil(seconds * 1e9)) + 1);
-}
 
 DeviceTime TruncatedFromMs(double ms) { return DeviceTime(static_cast<std::int64_t>(ms * 1e6)); }
 
@@ -41,58 +37,6 @@ double TrapezoidalProfile::At(double t) const {
   const double left = Duration() - t;
   return left > 0.0 ? distance_ - 0.5 * acceleration_ * left * left : distance_;
 }
-
-// From one rest to the next: a move, a homing, or no motion at all. Steps count from the angle 0 of
-// the controller; true degrees are the platter's.
-struct MockTurntable::Segment {
-  DeviceTime begin{};
-  DeviceTime end{};  // the controller is no longer busy
-  TableMotion outcome = TableMotion::kIdle;
-  std::string fault;  // of the outcome
-
-  TrapezoidalProfile profile{0.0, 1.0, 1.0};  // counted degrees
-  double direction = 1.0;                     // of the count
-  DeviceTime pause{};                         // hangs so long, half-way
-  bool homing = false;
-  std::int64_t count_from = 0;  // steps
-  std::int64_t motor_from = 0;
-  std::int64_t count_steps = 0;  // how far it counts and how far the motor gets, >= 0
-  std::int64_t motor_steps = 0;
-  double motor_from_deg = 0.0;  // true, as if the backlash were taken up
-  double motor_to_deg = 0.0;
-  double platter_from_deg = 0.0;
-  double scale = 1.0;
-
-  double commanded_deg = 0.0;
-  double report_error_deg = 0.0;
-
-  std::int64_t CountTo() const {
-    return count_from + (direction < 0.0 ? -count_steps : count_steps);
-  }
-  std::int64_t MotorTo() const {
-    return motor_from + (direction < 0.0 ? -motor_steps : motor_steps);
-  }
-  DeviceTime HalfTime() const { return RoundUp(0.5 * profile.Duration()); }
-  // Counted degrees that an unhindered motor would have covered.
-  double Covered(DeviceTime time) const {
-    DeviceTime elapsed = time - begin;
-    const DeviceTime half = HalfTime();
-    if (elapsed > half) elapsed = std::max(half, elapsed - pause);
-    return profile.At(Seconds(elapsed));
-  }
-  double MotorDeg(DeviceTime time) const {
-    if (time <= begin) return motor_from_deg;
-    if (time >= end) return motor_to_deg;
-    const double there = motor_from_deg + scale * direction * Covered(time);
-    return (motor_to_deg - there) * scale * direction > 0.0 ? there : motor_to_deg;
-  }
-  // The motor pushes the platter from behind or, after a reversal and the backlash, from ahead. One
-  // segment goes one way only, so its start and now tell all.
-  double PlatterDeg(DeviceTime time, double backlash_deg) const {
-    const double motor = MotorDeg(time);
-    return std::max(motor, std::min(platter_from_deg, motor + backlash_deg));
-  }
-};
 
 MockTurntable::MockTurntable(MockTurntableConfig config, std::shared_ptr<FaultScript> faults)
     : config_(std::move(config)), faults_(std::move(faults)) {
@@ -166,6 +110,7 @@ void MockTurntable::StopMotor(DeviceTime now, TableMotion outcome, const std::st
       Finish(last);
     }
     last.end = now;
+    last.stopped_by.reset();
   }
   last.outcome = outcome;
   last.fault = fault;
@@ -197,6 +142,11 @@ Status MockTurntable::Home(DeviceTime now) {
   if (Status status = CheckLink(now); !status) return status;
   if (!open_) return DeviceError(config_.serial + ": not open");
   if (now < segments_.back().end) return DeviceError(config_.serial + ": it is moving already");
+  BeginHoming(config_.home_speed_deg_s, config_.acceleration_deg_s2, now);
+  return {};
+}
+
+void MockTurntable::BeginHoming(double speed_deg_s, double acceleration_deg_s2, DeviceTime now) {
   Segment segment = BeginSegment(now);
   const bool endless = faults_ && faults_->Strike(FaultKind::kNeverHomes, FaultDevice::kTable,
                                                   segment.commanded_deg, now);
@@ -208,9 +158,8 @@ Status MockTurntable::Home(DeviceTime now) {
   const double home_deg = TrueOfSteps(segment.count_from);
   double way_deg = std::fmod(home_deg - segment.platter_from_deg, 360.0);
   if (way_deg < 0.0) way_deg += 360.0;
-  way_deg = endless ? kEndlessSeconds * config_.home_speed_deg_s : way_deg + slack;
-  segment.profile =
-      TrapezoidalProfile(way_deg, config_.home_speed_deg_s, config_.acceleration_deg_s2);
+  way_deg = endless ? kEndlessSeconds * speed_deg_s : way_deg + slack;
+  segment.profile = TrapezoidalProfile(way_deg, speed_deg_s, acceleration_deg_s2);
   segment.end = endless ? DeviceTime::max() : now + RoundUp(segment.profile.Duration());
   if (endless) {
     segment.motor_to_deg = segment.motor_from_deg + way_deg;
@@ -219,8 +168,13 @@ Status MockTurntable::Home(DeviceTime now) {
     segment.motor_from_deg = home_deg - way_deg;
     segment.platter_from_deg = segment.motor_from_deg + slack;
   }
+  if (faults_ &&
+      faults_->Strike(FaultKind::kStuckSwitch, FaultDevice::kTable, segment.commanded_deg, now)) {
+    segment.stopped_by = FaultKind::kStuckSwitch;
+    segment.outcome = TableMotion::kUnhomed;
+    segment.fault = "the homing switch does not clear";
+  }
   Append(segment);
-  return {};
 }
 
 Status MockTurntable::MoveTo(double angle_deg, DeviceTime now) {
@@ -235,17 +189,24 @@ Status MockTurntable::MoveTo(double angle_deg, DeviceTime now) {
   if (now < last.end) return DeviceError(config_.serial + ": it is moving already");
   if (last.outcome != TableMotion::kIdle)
     return DeviceError(config_.serial + ": home it first: " + last.fault);
+  BeginMove(angle_deg, config_.max_speed_deg_s, config_.acceleration_deg_s2, now);
+  return {};
+}
+
+void MockTurntable::BeginMove(double angle_deg, double speed_deg_s, double acceleration_deg_s2,
+                              DeviceTime now) {
   Segment segment = BeginSegment(now);
   segment.commanded_deg = angle_deg;
   const auto to_steps = static_cast<std::int64_t>(std::llround(angle_deg * config_.steps_per_deg));
   const double way_deg =
       static_cast<double>(std::abs(to_steps - segment.count_from)) / config_.steps_per_deg;
-  SetLeg(segment, to_steps,
-         TrapezoidalProfile(way_deg, config_.max_speed_deg_s, config_.acceleration_deg_s2));
+  SetLeg(segment, to_steps, TrapezoidalProfile(way_deg, speed_deg_s, acceleration_deg_s2));
   if (faults_) StrikeMove(segment, now);
   Finish(segment);
   Append(segment);
-  return {};
+  if (!faults_ || segment.stopped_by) return;
+  if (const auto hand = faults_->Strike(FaultKind::kDisplaced, FaultDevice::kTable, angle_deg, now))
+    AppendDisplacement(hand->amount, segment.end + kUntilDisplaced);
 }
 
 void MockTurntable::StrikeMove(Segment& segment, DeviceTime now) {
@@ -267,6 +228,7 @@ void MockTurntable::StrikeMove(Segment& segment, DeviceTime now) {
       if (config_.feedback == TableFeedback::kEncoder) {
         segment.end = segment.begin + segment.HalfTime();
         segment.outcome = TableMotion::kUnhomed;
+        segment.stopped_by = FaultKind::kStall;
         segment.fault = "the motor stalled";
       }
     }
@@ -275,12 +237,25 @@ void MockTurntable::StrikeMove(Segment& segment, DeviceTime now) {
     segment.report_error_deg = wrong->amount;
   const bool alarm = strike(FaultKind::kAlarm).has_value();
   const bool reset = strike(FaultKind::kReset).has_value();
-  if (!alarm && !reset) return;
+  const bool limit = strike(FaultKind::kLimit).has_value();
+  if (!alarm && !reset && !limit) return;
   segment.end = segment.begin + segment.HalfTime();
   segment.count_steps = all_steps / 2;
   segment.motor_steps = std::min(segment.motor_steps, all_steps / 2);
+  segment.stopped_by = reset ? FaultKind::kReset : alarm ? FaultKind::kAlarm : FaultKind::kLimit;
   segment.outcome = reset ? TableMotion::kUnhomed : TableMotion::kFault;
   segment.fault = reset ? "the controller restarted: \"Mock 1.0 ready\"" : "ALARM: limit switch";
+}
+
+double MockTurntable::CountedDeg(const Segment& segment, DeviceTime now) const {
+  if (now >= segment.end)
+    return static_cast<double>(segment.CountTo()) / config_.steps_per_deg +
+           segment.report_error_deg;
+  const auto covered =
+      static_cast<std::int64_t>(std::floor(segment.Covered(now) * config_.steps_per_deg));
+  const std::int64_t counted = std::min(segment.count_steps, covered);
+  return static_cast<double>(segment.count_from + (segment.direction < 0.0 ? -counted : counted)) /
+         config_.steps_per_deg;
 }
 
 Result<TableState> MockTurntable::State(DeviceTime now) {
@@ -291,19 +266,13 @@ Result<TableState> MockTurntable::State(DeviceTime now) {
   TableState state;
   state.time = now;
   if (now < segment.end) {
-    const auto covered =
-        static_cast<std::int64_t>(std::floor(segment.Covered(now) * config_.steps_per_deg));
-    const std::int64_t counted = std::min(segment.count_steps, covered);
     state.motion = TableMotion::kMoving;
-    state.angle_deg =
-        static_cast<double>(segment.count_from + (segment.direction < 0.0 ? -counted : counted)) /
-        config_.steps_per_deg;
+    state.angle_deg = CountedDeg(segment, now);
     return state;
   }
   state.motion = segment.outcome;
   state.fault = segment.fault;
-  state.angle_deg =
-      static_cast<double>(segment.CountTo()) / config_.steps_per_deg + segment.report_error_deg;
+  state.angle_deg = CountedDeg(segment, now);
   return state;
 }
 

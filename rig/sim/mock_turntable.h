@@ -32,6 +32,7 @@ class TrapezoidalProfile {
   double Duration() const { return 2.0 * ramp_s_ + cruise_s_; }
   // Way covered t seconds after the start: 0 before it, exactly the distance from the end on.
   double At(double t) const;
+  double acceleration() const { return acceleration_; }
 
  private:
   double distance_;
@@ -67,6 +68,33 @@ class MockTurntable : public Turntable {
   void Creep(double by_deg, DeviceTime begin, DeviceTime duration);
   const MockTurntableConfig& config() const { return config_; }
 
+  // What a simulated controller does with the motor (rig/sim/stage, turntable_motor.cpp). There is
+  // no link that could be unplugged, and whether the position is known is the controller's to
+  // judge. Faults of the table strike as they do in MoveTo and Home.
+
+  // Goes to a counted angle, |deg| <= 36000, by a profile of its own; a motion under way is cut.
+  void Drive(double to_deg, double speed_deg_s, double acceleration_deg_s2, DeviceTime now);
+  // As Home, at a speed of its own.
+  void SearchHome(double speed_deg_s, double acceleration_deg_s2, DeviceTime now);
+  // Comes to rest as fast as the move's acceleration allows, at the latest where it would have; a
+  // homing is cut.
+  void Brake(DeviceTime now);
+  // The motor stands at once, on a whole step. A controller that does so in motion should not
+  // trust its count.
+  void Cut(DeviceTime now);
+  // Where the motor stands is counted as this angle from now on.
+  void SetCount(double counted_deg, DeviceTime now);
+
+  struct MotorState {
+    double counted_deg = 0.0;  // whole steps; with an encoder the shaft's
+    double speed_deg_s = 0.0;  // of the count, >= 0
+    bool moving = false;
+    // Why the last motion ended before its target: kStall (seen by an encoder only), kAlarm,
+    // kLimit, kReset, kStuckSwitch; or kDisplaced: it was moved by hand since.
+    std::optional<FaultKind> stopped_by;
+  };
+  MotorState Motor(DeviceTime now) const;
+
  private:
   struct Segment;
 
@@ -74,11 +102,15 @@ class MockTurntable : public Turntable {
   const Segment& SegmentAt(DeviceTime time) const;
   Segment BeginSegment(DeviceTime begin) const;
   void SetLeg(Segment& segment, std::int64_t to_steps, const TrapezoidalProfile& profile) const;
+  void BeginMove(double angle_deg, double speed_deg_s, double acceleration_deg_s2, DeviceTime now);
+  void BeginHoming(double speed_deg_s, double acceleration_deg_s2, DeviceTime now);
   void StrikeMove(Segment& segment, DeviceTime now);
+  void AppendDisplacement(double by_deg, DeviceTime begin);
   void Finish(Segment& segment) const;
   void Append(Segment segment);
   void StopMotor(DeviceTime now, TableMotion outcome, const std::string& fault);
   double TrueOfSteps(std::int64_t steps) const;
+  double CountedDeg(const Segment& segment, DeviceTime now) const;
 
   const MockTurntableConfig config_;
   const std::shared_ptr<FaultScript> faults_;

@@ -4,7 +4,8 @@
 
 namespace turnlight::rig::sim {
 
-Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngles& angles) {
+Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngles& angles,
+                                        FaultWorld world) {
   SimulationConfig config;
   const auto table = object.OptionalObject("table");
   const auto shutter = object.OptionalObject("shutter");
@@ -20,7 +21,7 @@ Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngle
   if (shutter)
     if (Status status = ReadShutter(*shutter, config.camera); !status) return Forward(status);
   if (!faults) return config;
-  auto entries = ReadFaultScript(*faults, angles);
+  auto entries = ReadFaultScript(*faults, angles, world);
   if (!entries) return Forward(entries);
   config.faults = std::move(*entries);
   return config;

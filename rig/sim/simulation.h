@@ -27,6 +27,7 @@ struct SimulationConfig {
 };
 
 // Reads and validates; refuses unknown keys. Messages name file, line, key and what is allowed.
-Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngles& angles);
+Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngles& angles,
+                                        FaultWorld world = FaultWorld::kMocks);
 
 }  // namespace turnlight::rig::sim

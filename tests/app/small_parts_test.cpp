@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "app/capture_display.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
@@ -26,6 +27,14 @@ TEST(Progress, LineShowsRateAndTimeLeft) {
   EXPECT_EQ(Progress::Line("reading", 1, 10000, 1.0), "reading 1/10000, 1 per s, 2 h 46 min left");
   EXPECT_EQ(Progress::Line("rendering", 36, 36, 12.0), "rendering 36/36, 3 per s");
   EXPECT_EQ(Progress::Line("rendering", 0, 36, 0.0), "rendering 0/36");
+}
+
+TEST(CaptureDisplay, TellsWhereTheTimeWent) {
+  EXPECT_EQ(CaptureDisplay::PaceText({20.0, 10.0, 2.0, 0.4, 0.0}, 36, 40.0),
+            "36 frames in 40.0 s, 54.0 a minute; waited for the stage 50 %, its settling 25 %, the "
+            "camera 5 %, the disk 1 %");
+  EXPECT_THAT(CaptureDisplay::PaceText({1.0, 1.0, 1.0, 1.0, 4.0}, 2, 10.0),
+              HasSubstr("the disk 10 %, before repetitions 40 %"));
 }
 
 TEST(RunOutcome, SaysWhatEndedTheRunUnlessThatWasShown) {

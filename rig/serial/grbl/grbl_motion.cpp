@@ -250,7 +250,7 @@ void GrblProtocol::Report(const StatusReport& status, double position, DeviceTim
   StageReport report;
   report.position_deg = position - zero_deg_;
   report.age = age;
-  if (task_ != Task::kNone || (Moves(status.state) && fault_.empty())) {
+  if (task_ != Task::kNone || pending_move_ || (Moves(status.state) && fault_.empty())) {
     report.motion = TableMotion::kMoving;
   } else if (!unhomed_.empty()) {
     report.motion = TableMotion::kUnhomed;

@@ -166,5 +166,45 @@ TEST(FaultScript, RandomPartDrawsOnlyWhatIsListed) {
   EXPECT_EQ(kinds, (std::set<FaultKind>{FaultKind::kStall, FaultKind::kLampOff}));
 }
 
+TEST(FaultScript, FaultsOfALineAreOfRealProtocolsOnly) {
+  const auto parse = [](const std::string& yaml, FaultWorld world) {
+    const auto document = ParseYaml(yaml, "f.yaml");
+    return ReadFaultScript(StrictObject(*document), {0.0, 1.0, 2000}, world);
+  };
+  for (int i = static_cast<int>(FaultKind::kSerialGarbage);
+       i <= static_cast<int>(FaultKind::kDisplaced); ++i) {
+    const auto kind = static_cast<FaultKind>(i);
+    const std::string yaml = "list: [{fault: " + FaultWord(kind) + "}]";
+    EXPECT_FALSE(parse(yaml, FaultWorld::kMocks));
+    const auto entries = parse(yaml, FaultWorld::kRealProtocols);
+    ASSERT_TRUE(entries) << entries.error().text;
+    EXPECT_EQ(entries->front().kind, kind);
+  }
+  const std::string random = "random: {seed: 5, share: 1}";
+  const auto drawn = [&](FaultWorld world) {
+    const auto entries = parse(random, world);
+    std::set<FaultKind> kinds;
+    for (const FaultEntry& entry : *entries) kinds.insert(entry.kind);
+    return kinds;
+  };
+  const std::set<FaultKind> mocks = drawn(FaultWorld::kMocks);
+  const std::set<FaultKind> real = drawn(FaultWorld::kRealProtocols);
+  EXPECT_EQ(mocks.size(), 15u);
+  EXPECT_FALSE(mocks.contains(FaultKind::kLostStatus));
+  EXPECT_TRUE(real.contains(FaultKind::kLostStatus));
+  EXPECT_TRUE(real.contains(FaultKind::kLimit));
+  EXPECT_FALSE(real.contains(FaultKind::kSilent));
+}
+
+TEST(FaultScript, AnglesFitWithinTheResolution) {
+  FaultEntry entry = MakeFault(FaultKind::kStall);
+  entry.angle_deg = 360.0 / 37.0;
+  FaultScript script({entry});
+  EXPECT_FALSE(script.Strike(FaultKind::kStall, FaultDevice::kTable, 9.73, seconds(1)));
+  script.SetResolution(0.01);
+  EXPECT_FALSE(script.Strike(FaultKind::kStall, FaultDevice::kTable, 9.74, seconds(1)));
+  EXPECT_TRUE(script.Strike(FaultKind::kStall, FaultDevice::kTable, 9.73, seconds(1)));
+}
+
 }  // namespace
 }  // namespace turnlight::rig::sim

@@ -370,6 +370,20 @@ TEST(GrblProtocol, AMachineThatReportsWorkPositions) {
   EXPECT_EQ(talk.Heard(), "G21 G90 G94 G53 G1 X20.000 F1200.0\n");
 }
 
+// Found by the fuzzer: the end of a homing is no arrival of the move that waits for it.
+TEST(GrblProtocol, AMoveDuringAHomingFollowsIt) {
+  Talk talk;
+  talk.Identifies();
+  talk.protocol.Home();
+  talk.protocol.MoveTo(10.0);
+  talk.Heard();
+  talk.LastReport();
+  talk.Says("ok\r\n");
+  talk.Says(Status("Idle", -1.0));
+  EXPECT_EQ(MotionOf(talk), TableMotion::kMoving);
+  EXPECT_THAT(talk.Heard(), HasSubstr("X10.000"));
+}
+
 TEST(GrblProtocol, AMoveBehindTheLampsLineWaits) {
   GrblOptions options;
   options.lamp_power = 0.5;
