@@ -12,7 +12,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (data[0] & 2) options.lamp_power = 1.0;
   if (data[0] & 4) options.axis = 'A';
   serial::grbl::GrblProtocol protocol(options);
-  serial::StageFuzz(protocol).Run(
-      {reinterpret_cast<const char*>(data) + 1, size - 1});
+  serial::StageFuzz(protocol).Run({reinterpret_cast<const char*>(data) + 1, size - 1});
   return 0;
 }

@@ -1,6 +1,6 @@
-// Drives a stage's protocol by a fuzzer's bytes: the controller's words in pieces, commands, and the
-// passing of time. Whatever comes: the next wait is above 0 and bounded, so is what is said, and no
-// arrival is reported for a move before the controller can have proven it.
+// Drives a stage's protocol by a fuzzer's bytes: the controller's words in pieces, commands, and
+// the passing of time. Whatever comes: the next wait is above 0 and bounded, so is what is said,
+// and no arrival is reported for a move before the controller can have proven it.
 #pragma once
 
 #include <cmath>

@@ -74,7 +74,8 @@ void GrblFirmware::Restart(DeviceTime now) {
 
 void GrblFirmware::Reset(DeviceTime now) {
   modes_.spindle = 5;
-  if (homing_ || (table_->Motor(now).moving && Moves())) {
+  const bool turns = held_ ? table_->Motor(now).moving : Moves();
+  if (homing_ || turns) {
     table_->Cut(now);
     Alarm(homing_ ? 6 : 3, AfterAlarm::kRestart, now);
   } else {

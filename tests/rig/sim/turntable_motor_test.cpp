@@ -1,6 +1,6 @@
-// Proves what a simulated controller does with the mock table's motor: moves at a speed of their own,
-// braking along the profile's ramp, cuts, counts declared anew, displacements by hand. Does not prove
-// what the controllers make of it; their tests do.
+// Proves what a simulated controller does with the mock table's motor: moves at a speed of their
+// own, braking along the profile's ramp, cuts, counts declared anew, displacements by hand. Does
+// not prove what the controllers make of it; their tests do.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
-// Proves that blocks are read by the rules and error numbers of GRBL 1.1, as far as a turntable needs
-// them. Does not prove that what is left out (arcs, offsets, probing) behaves as there: it is refused.
+// Proves that blocks are read by the rules and error numbers of GRBL 1.1, as far as a turntable
+// needs them. Does not prove that what is left out (arcs, offsets, probing) behaves as there: it is
+// refused.
 #include "rig/sim/stage/gcode.h"
 
 #include <gtest/gtest.h>

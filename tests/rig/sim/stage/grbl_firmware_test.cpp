@@ -138,7 +138,7 @@ TEST(GrblFirmware, HoldsResumesAndKeepsThePositionOverAResetInAHold) {
   bench.Wait(260);
   EXPECT_THAT(bench.Ask("?"), StartsWith("<Hold:0|"));
   const double held = bench.True();
-  EXPECT_NEAR(held, 42.0, 1.0);  // 34.5, and 7.5 to come to rest
+  EXPECT_NEAR(held, 42.0, 1.0);        // 34.5, and 7.5 to come to rest
   EXPECT_EQ(bench.Ask("G0X1\n"), "");  // nothing is read in a hold
   bench.Wait(100);
   EXPECT_EQ(bench.True(), held);

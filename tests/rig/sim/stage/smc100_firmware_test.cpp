@@ -1,7 +1,7 @@
 // Proves that the simulated SMC100 talks as its manual says, written down here by hand: silent set
-// commands, TE's letters, TS's states and error bits; that its position is where the table is, within
-// a step; and what each fault of the table makes of it. Does not prove that the drivers get on with
-// it.
+// commands, TE's letters, TS's states and error bits; that its position is where the table is,
+// within a step; and what each fault of the table makes of it. Does not prove that the drivers get
+// on with it.
 #include "rig/sim/stage/smc100_firmware.h"
 
 #include "tests/rig/sim/stage/firmware_bench.h"
@@ -25,8 +25,8 @@ struct Smc100Bench : FirmwareBench {
 };
 
 Smc100Bench Smc100(std::vector<FaultEntry> entries = {}, Smc100Config config = {}) {
-  Smc100Bench bench{FirmwareBench::Of<Smc100Firmware>(
-      config, RigidTable(TableFeedback::kEncoder), std::move(entries))};
+  Smc100Bench bench{FirmwareBench::Of<Smc100Firmware>(config, RigidTable(TableFeedback::kEncoder),
+                                                      std::move(entries))};
   bench.Wait(1100);
   return bench;
 }

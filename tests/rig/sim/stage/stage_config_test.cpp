@@ -64,7 +64,8 @@ TEST(StageConfig, RefusesByFileLineKeyAndWhatIsAllowed) {
               HasSubstr("feedback: GRBL has no encoder"));
   EXPECT_THAT(RefusalOfStage("{firmware: grbl, link: l, startup: [G21]}"), HasSubstr("startup"));
   EXPECT_THAT(RefusalOfStage("{firmware: grbl, link: l, device: 1}"), HasSubstr("unknown key"));
-  EXPECT_THAT(RefusalOfStage("{firmware: zaber, link: l, serial: T1}"), HasSubstr("serial: \"T1\""));
+  EXPECT_THAT(RefusalOfStage("{firmware: zaber, link: l, serial: T1}"),
+              HasSubstr("serial: \"T1\""));
   EXPECT_THAT(RefusalOfStage("{firmware: zaber, link: l, min_deg: 5}"), HasSubstr("min_deg: 5"));
   EXPECT_THAT(RefusalOfStage("{firmware: smc100, link: l, address: 0}"), HasSubstr("address: 0"));
   EXPECT_THAT(RefusalOfStage("{firmware: smc100, link: l, steps_per_deg: 0}"),

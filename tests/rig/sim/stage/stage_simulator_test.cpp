@@ -1,7 +1,7 @@
-// Proves that each simulated controller can be talked to through its port by a plain termios client:
-// 36 moves end where they should, opening resets what is to be reset, bytes take the time of the
-// baud, an unplugged port comes back under its link and another name, and everything ends. Does not
-// prove that the drivers get on with it.
+// Proves that each simulated controller can be talked to through its port by a plain termios
+// client: 36 moves end where they should, opening resets what is to be reset, bytes take the time
+// of the baud, an unplugged port comes back under its link and another name, and everything ends.
+// Does not prove that the drivers get on with it.
 #include "rig/sim/stage/stage_simulator.h"
 
 #include <gmock/gmock.h>
@@ -49,8 +49,8 @@ StageConfig Quick(const PortFolder& folder, const std::string& firmware) {
 
 struct Running {
   explicit Running(const StageConfig& config, std::vector<FaultEntry> entries = {}) {
-    auto started = StageSimulator::Start(
-        config, std::make_shared<FaultScript>(std::move(entries)), epoch);
+    auto started =
+        StageSimulator::Start(config, std::make_shared<FaultScript>(std::move(entries)), epoch);
     EXPECT_TRUE(started) << started.error().text;
     if (started) simulator = std::move(*started);
   }
@@ -64,6 +64,16 @@ struct Running {
 void HomeGrbl(PortClient& client) {
   EXPECT_THAT(client.ReadUntil("unlock]\r\n"), StartsWith("\r\nGrbl 1.1h"));
   EXPECT_EQ(client.Ask("$H\n", "ok\r\n"), "ok\r\n");
+}
+
+// Asks until it answers.
+void BootZaber(PortClient& client) {
+  std::string reply;
+  for (int i = 0; i < 200 && reply.empty(); ++i) {
+    client.Write("/1 1\n");
+    reply = client.ReadUntil("\n", 100);
+  }
+  while (!client.ReadUntil("\n", 200).empty()) continue;  // answers that came late
 }
 
 TEST(StageSimulator, GrblMakes36Moves) {
@@ -90,11 +100,8 @@ TEST(StageSimulator, ZaberMakes36Moves) {
       reply = client.Ask("/1 1 get pos\n", "\n");
     return reply;
   };
-  std::string reply;
-  for (int i = 0; i < 100 && reply.empty(); ++i) {
-    client.Write("/1 1 home\n");
-    reply = client.ReadUntil("\n", 100);  // it boots
-  }
+  BootZaber(client);
+  client.Ask("/1 1 home\n", "\n");
   EXPECT_EQ(wait(), "@01 1 OK IDLE -- 0\r\n");
   for (int i = 1; i <= 36; ++i) {
     const std::string steps = std::to_string(1000 * i);
@@ -198,7 +205,7 @@ TEST(StageSimulator, UnpluggedItComesBackUnderItsLinkAndAnotherName) {
         HomeGrbl(client);
         client.Write("G0X20\n");
       } else {
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        BootZaber(client);
         client.Ask("/1 1 home\n", "\n");
         while (client.Ask("/1 1\n", "\n").find("IDLE") == std::string::npos) continue;
         client.Write("/1 1 move abs 2000\n");
@@ -223,7 +230,7 @@ TEST(StageSimulator, UnpluggedItComesBackUnderItsLinkAndAnotherName) {
 TEST(StageSimulator, IsSilentAndThenAnswersAll) {
   const PortFolder folder;
   FaultEntry silent = AtAngle(FaultKind::kSilent, 20.0);
-  silent.amount = 400.0;
+  silent.amount = 2000.0;
   Running running(Quick(folder, "grbl"), {silent});
   PortClient client(folder / "port");
   HomeGrbl(client);
@@ -232,6 +239,27 @@ TEST(StageSimulator, IsSilentAndThenAnswersAll) {
   client.Write("?");
   EXPECT_THAT(client.ReadUntil(">\r\n", 100), ::testing::Not(HasSubstr("<")));
   EXPECT_THAT(client.ReadUntil(">\r\n"), HasSubstr("MPos:20.000,"));
+}
+
+TEST(StageSimulator, IsTheTableOfItsWorld) {
+  const PortFolder folder;
+  SimulationConfig config;
+  config.table.power_on_deg = 33.0;
+  config.faults = {MakeFault(FaultKind::kLostStatus)};
+  auto world = BuildWorld(config);
+  ASSERT_TRUE(world) << world.error().text;
+  const auto document = ParseYaml(
+      "{firmware: zaber, link: " + (folder / "port").string() + ", steps_per_deg: 88.8}", "s.yaml");
+  ASSERT_TRUE(document);
+  const auto epoch = steady_clock::now();
+  const auto simulator = StartStage(StrictObject(*document), *world, epoch);
+  ASSERT_TRUE(simulator) << simulator.error().text;
+  EXPECT_EQ(world->table, (*simulator)->table());
+  EXPECT_NEAR(world->table->TrueAngleDeg(steady_clock::now() - epoch), 33.0, 0.01);
+  PortClient client(folder / "port");
+  BootZaber(client);
+  EXPECT_THAT(client.Ask("/1 1\n", "\n"), StartsWith("@01 1 OK IDLE WR"));
+  EXPECT_EQ(world->faults->Remaining(), 0);  // the world's script is played
 }
 
 TEST(StageSimulator, EndsCleanlyAndAtMostOneHasALink) {

@@ -1,7 +1,7 @@
 // Proves that the simulated Zaber talks as the ASCII protocol's documents say, written down here by
-// hand: replies, checksums, ids, flags, rejections, alerts; that its position is where the table is,
-// within a microstep; and what each fault of the table makes of it. Does not prove that the drivers
-// get on with it.
+// hand: replies, checksums, ids, flags, rejections, alerts; that its position is where the table
+// is, within a microstep; and what each fault of the table makes of it. Does not prove that the
+// drivers get on with it.
 #include "rig/sim/stage/zaber_firmware.h"
 
 #include "tests/rig/sim/stage/firmware_bench.h"
@@ -99,7 +99,8 @@ TEST(ZaberFirmware, StopsAndIsInterrupted) {
   const double there = bench.True();
   bench.Wait(300);
   EXPECT_EQ(bench.True(), there);
-  EXPECT_EQ(bench.Ask("/1 1 move abs 100\n"), "@01 1 OK BUSY -- 0\r\n");  // it is over with the next
+  EXPECT_EQ(bench.Ask("/1 1 move abs 100\n"),
+            "@01 1 OK BUSY -- 0\r\n");  // it is over with the next
   bench.Wait(10);
   EXPECT_EQ(bench.Ask("/1 1 move abs 200\n"), "@01 1 OK BUSY NI 0\r\n");
 }
