@@ -51,8 +51,7 @@ void AddDoctor(CLI::App& program, Action& action) {
       "config is refused",
       "turnlight doctor my_rig.yaml --no-move");
   auto arguments = std::make_shared<DoctorArguments>();
-  command
-      ->add_option("CONFIG", arguments->config, "A config with rig/table, rig/camera or both")
+  command->add_option("CONFIG", arguments->config, "A config with rig/table, rig/camera or both")
       ->required();
   command->add_flag("--no-move", arguments->no_move, "Leave the table where it is");
   command

@@ -1,5 +1,5 @@
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -63,8 +63,8 @@ Result<std::unique_ptr<OpenedTable>> OpenTable(const MotionArguments& arguments,
 Status Home(OpenedTable& table, const MotionArguments& arguments) {
   Say(HomeText(table.name));
   table.motion.watch = [&table, begun = table.clock.Now()](const rig::TableState& state) {
-    table.line.Show(Format("homing, %.0f s, at %.2f degrees",
-                           ToSeconds(table.clock.Now() - begun), state.angle_deg));
+    table.line.Show(Format("homing, %.0f s, at %.2f degrees", ToSeconds(table.clock.Now() - begun),
+                           state.angle_deg));
   };
   const auto state =
       HomeTable(table.motion, FromSeconds(arguments.timeout_s.value_or(kHomePatience_s)));
@@ -76,8 +76,9 @@ Status Home(OpenedTable& table, const MotionArguments& arguments) {
 Status CheckLimits(const DeviceConfig& config, double angle_deg) {
   const auto& limits = config.plan.limits;
   if (!limits || (angle_deg >= limits->min_deg && angle_deg <= limits->max_deg)) return {};
-  return InputError(config.file + Format(": capture/limits_deg: %.6g to %.6g, asked is %.6g degrees",
-                                         limits->min_deg, limits->max_deg, angle_deg));
+  return InputError(config.file +
+                    Format(": capture/limits_deg: %.6g to %.6g, asked is %.6g degrees",
+                           limits->min_deg, limits->max_deg, angle_deg));
 }
 
 Status Turn(OpenedTable& table, double to_deg, const MotionArguments& arguments) {
@@ -87,10 +88,9 @@ Status Turn(OpenedTable& table, double to_deg, const MotionArguments& arguments)
   table.motion.watch = [&table, to_deg](const rig::TableState& state) {
     table.line.Show(Format("turning, at %.2f of %.2f degrees", state.angle_deg, to_deg));
   };
-  const double seconds =
-      rig::MoveSeconds(kinematics, std::abs(to_deg - table.state.angle_deg));
-  const double patience =
-      arguments.timeout_s.value_or(std::max(table.config.plan.move_timeout_s, 2.0 * seconds + 10.0));
+  const double seconds = rig::MoveSeconds(kinematics, std::abs(to_deg - table.state.angle_deg));
+  const double patience = arguments.timeout_s.value_or(
+      std::max(table.config.plan.move_timeout_s, 2.0 * seconds + 10.0));
   const auto state = TurnTable(table.motion, to_deg, FromSeconds(patience));
   if (!state) return Forward(state);
   table.state = *state;
@@ -131,14 +131,15 @@ int RunJog(const MotionArguments& arguments, const JogTarget& target, const Driv
 namespace {
 
 struct MotionWords {
-  std::vector<std::string> words;
+  std::string first, second;
   MotionArguments arguments;
 };
 
 std::shared_ptr<MotionWords> AddMotionOptions(CLI::App& command) {
   auto words = std::make_shared<MotionWords>();
-  command.add_option("--config", words->arguments.config,
-                     "The config, if it is not among the other words")
+  command
+      .add_option("--config", words->arguments.config,
+                  "The config, if it is not among the other words")
       ->type_name("CONFIG");
   command
       .add_option_function<double>(
@@ -160,10 +161,10 @@ void AddHome(CLI::App& program, Action& action) {
       "no more than rig: {table: {driver: ...}}. Exit code 4 if the table reports a fault",
       "turnlight home my_rig.yaml");
   const auto words = AddMotionOptions(*command);
-  command->add_option("CONFIG", words->words, "A config with rig/table")->expected(0, 1);
+  command->add_option("CONFIG", words->first, "A config with rig/table");
   command->callback([words, &action] {
     action = [words] {
-      const auto split = SplitWords(words->words, words->arguments.config, "", IsJogTarget);
+      const auto split = SplitWords({words->first}, words->arguments.config, "", IsJogTarget);
       if (!split) return Fail(split.error());
       words->arguments.config = split->config;
       return RunHome(words->arguments, BuiltInDrivers());
@@ -180,12 +181,13 @@ void AddJog(CLI::App& program, Action& action) {
       "than rig: {table: {driver: ...}}",
       "turnlight jog my_rig.yaml 120\n  turnlight jog +-10 --config my_rig.yaml");
   const auto words = AddMotionOptions(*command);
-  command->add_option("CONFIG ANGLE|+STEP", words->words, "In either order")->expected(0, 2);
+  command->add_option("CONFIG", words->first, "A config with rig/table");
+  command->add_option("ANGLE|+STEP", words->second, "In degrees; may stand before the config");
   command->add_flag("--no-home", words->arguments.no_home,
                     "Refuse instead of homing if the position is unknown");
   command->callback([words, &action] {
     action = [words] {
-      const auto split = SplitWords(words->words, words->arguments.config,
+      const auto split = SplitWords({words->first, words->second}, words->arguments.config,
                                     "an angle or a step, 120, -10, +10 or +-10", IsJogTarget);
       if (!split) return Fail(split.error());
       words->arguments.config = split->config;

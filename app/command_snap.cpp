@@ -22,7 +22,7 @@ namespace {
 constexpr double kMaxSnapPatience_s = 3600.0;
 
 struct SnapWords {
-  std::vector<std::string> words;
+  std::string first, second;
   SnapArguments arguments;
 };
 
@@ -43,8 +43,9 @@ std::optional<rig::RigCalibration> CalibrationIfThere(const DeviceConfig& config
 }
 
 std::string SettingsText(const rig::CameraSettings& asked, const rig::CameraSettings& actual) {
-  return Format("exposure %.6g us asked, %.6g us read back; gain %.4g dB asked, %.4g dB read back\n",
-                asked.exposure_us, actual.exposure_us, asked.gain_db, actual.gain_db);
+  return Format(
+      "exposure %.6g us asked, %.6g us read back; gain %.4g dB asked, %.4g dB read back\n",
+      asked.exposure_us, actual.exposure_us, asked.gain_db, actual.gain_db);
 }
 
 std::string ReadingsText(rig::Camera& camera) {
@@ -73,8 +74,8 @@ Result<Shot> Snap(const SnapArguments& arguments, const DeviceConfig& config, De
     return DeviceError("the pictures are floats, which a PNG does not hold");
   if (const Status written = rig::WriteImage(arguments.out, shot->frame.image); !written)
     return Forward(written);
-  std::cout << arguments.out << ": "
-            << PictureKind(shot->frame.image, devices.camera->bayer) << "\n"
+  std::cout << arguments.out << ": " << PictureKind(shot->frame.image, devices.camera->bayer)
+            << "\n"
             << SettingsText(shooting.settings, shot->frame.actual);
   return shot;
 }
@@ -104,9 +105,11 @@ void AddSnap(CLI::App& program, Action& action) {
       "capture. A Bayer picture is written raw, as the mosaic",
       "turnlight snap my_rig.yaml picture.png");
   auto words = std::make_shared<SnapWords>();
-  command->add_option("CONFIG OUT.png", words->words, "In either order")->expected(0, 2);
+  command->add_option("CONFIG", words->first, "A config with rig/camera");
+  command->add_option("OUT.png", words->second, "The picture; may stand before the config");
   SnapArguments& arguments = words->arguments;
-  command->add_option("--config", arguments.config, "The config, if it is not among the other words")
+  command
+      ->add_option("--config", arguments.config, "The config, if it is not among the other words")
       ->type_name("CONFIG");
   const auto number = [&](const char* name, std::optional<double> SnapArguments::*to, double min,
                           double max, const char* unit, const char* text) {
@@ -122,7 +125,7 @@ void AddSnap(CLI::App& program, Action& action) {
          "How long to wait for the picture, besides the exposure; else by the config");
   command->callback([words, &action] {
     action = [words] {
-      const auto split = SplitWords(words->words, words->arguments.config,
+      const auto split = SplitWords({words->first, words->second}, words->arguments.config,
                                     "a picture's file, OUT.png", IsPictureName);
       if (!split) return Fail(split.error());
       words->arguments.config = split->config;

@@ -16,7 +16,9 @@ class DeviceClock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-inline double ToSeconds(rig::DeviceTime time) { return std::chrono::duration<double>(time).count(); }
+inline double ToSeconds(rig::DeviceTime time) {
+  return std::chrono::duration<double>(time).count();
+}
 // At most 10^9 s.
 inline rig::DeviceTime FromSeconds(double seconds) {
   return std::chrono::duration_cast<rig::DeviceTime>(std::chrono::duration<double>(seconds));

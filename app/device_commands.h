@@ -1,5 +1,5 @@
-// The commands for single devices, as functions of their arguments: home, jog, snap, doctor. Each says on
-// standard error what it will move before it moves it, and gives the exit code.
+// The commands for single devices, as functions of their arguments: home, jog, snap, doctor. Each
+// says on standard error what it will move before it moves it, and gives the exit code.
 #pragma once
 
 #include <filesystem>

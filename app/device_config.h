@@ -28,10 +28,10 @@ namespace turnlight::app {
 
 struct DeviceConfig {
   std::string file;
-  std::filesystem::path folder;             // what the files that it names are relative to
+  std::filesystem::path folder;              // what the files that it names are relative to
   std::shared_ptr<const Document> document;  // the sections point into it
   bool has_capture = false, has_graph = false;
-  rig::CapturePlan plan;                     // the defaults without a section capture
+  rig::CapturePlan plan;                      // the defaults without a section capture
   std::optional<StrictObject> table, camera;  // with the key driver
   std::optional<rig::sim::SimulationConfig> simulation;
 };

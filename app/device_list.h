@@ -18,7 +18,7 @@ struct ListedPort {
 struct DeviceList {
   std::vector<ListedPort> ports;
   std::vector<rig::aravis::FoundCamera> cameras;
-  std::vector<std::string> problems;  // a search that failed
+  std::vector<std::string> problems;       // a search that failed
   std::vector<std::string> table_drivers;  // that a port may be named with
 };
 // Looks for a few seconds at most.

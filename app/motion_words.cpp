@@ -44,6 +44,7 @@ Result<DeviceWords> SplitWords(const std::vector<std::string>& words, const std:
                                const std::string& other, bool (*is_other)(const std::string&)) {
   DeviceWords split{config, ""};
   for (const std::string& word : words) {
+    if (word.empty()) continue;
     const bool takes_other = !other.empty() && split.other.empty() && is_other(word);
     if (takes_other)
       split.other = word;

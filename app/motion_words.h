@@ -27,7 +27,7 @@ std::string TurnText(const std::string& table, double from_deg, double to_deg,
 std::string HomeText(const std::string& table);
 
 // A command's config and its other word, in either order; the config may stand behind --config
-// instead. is_other tells them apart.
+// instead. is_other tells them apart; empty words are none.
 struct DeviceWords {
   std::string config, other;
 };

@@ -28,10 +28,10 @@ Result<Shot> TryPicture(const Shooting& shooting) {
     if (!polled) return Forward(polled);
     if (*polled) {
       rig::RawFrame& raw = **polled;
-      return Shot{{std::move(raw.image), raw.frame_id, raw.trigger, *trigger, triggered,
-                   raw.exposure_begin, raw.exposure_end, raw.actual, raw.complete, *drained,
-                   camera.Readings()},
-                  ToSeconds(now() - triggered)};
+      return Shot{
+          {std::move(raw.image), raw.frame_id, raw.trigger, *trigger, triggered, raw.exposure_begin,
+           raw.exposure_end, raw.actual, raw.complete, *drained, camera.Readings()},
+          ToSeconds(now() - triggered)};
     }
     if (StopRequested(shooting.stop)) return InterruptedError();
     if (now() >= deadline)

@@ -19,7 +19,7 @@ struct Shooting {
   const StopFlag* stop = nullptr;
   rig::CameraSettings settings = {};
   rig::DeviceTime patience = {};  // from the exposure's end to the picture
-  int attempts = 1;            // in all, where a picture is not proven
+  int attempts = 1;               // in all, where a picture is not proven
   // For each of the camera's notes, and for each attempt that failed.
   std::function<void(const std::string&)> note = [](const std::string&) {};
 };

@@ -18,8 +18,8 @@ std::string HistogramBars(const std::array<std::size_t, rig::kLevelBins>& counts
 // "640 x 480 pixels, 16 bits, grey"; a mosaic is told as one.
 std::string PictureKind(const cv::Mat& image, const std::optional<std::string>& bayer);
 
-// Several lines, each ended: each channel's minimum, median, mean and maximum in DN, the shares that
-// are clipped and black, histograms.
+// Several lines, each ended: each channel's minimum, median, mean and maximum in DN, the shares
+// that are clipped and black, histograms.
 std::string LevelsText(const cv::Mat& image, const calib::Radiometry& radiometry,
                        const std::optional<std::string>& bayer);
 

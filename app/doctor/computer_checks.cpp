@@ -22,10 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kTrialBytes = std::size_t{32} << 20;
-constexpr int kTrialParts = 8;            // each synced, as pictures are
-constexpr double kDiskShare = 0.5;        // of the time of a frame that the disk may take
-constexpr double kRoomForMore = 2.0;      // times what the plan needs
-constexpr double kMostDrift = 500e-6;     // what a clock is disciplined by at most
+constexpr int kTrialParts = 8;         // each synced, as pictures are
+constexpr double kDiskShare = 0.5;     // of the time of a frame that the disk may take
+constexpr double kRoomForMore = 2.0;   // times what the plan needs
+constexpr double kMostDrift = 500e-6;  // what a clock is disciplined by at most
 constexpr double kClockTrial_s = 0.2;
 
 std::optional<DiskNeed> NeedOf(const Patient& patient) {

@@ -58,8 +58,8 @@ Check CheckPosition(Patient& patient) {
   if (!patient.table) return Skipped(patient.config.table ? kTableShut : kNoTable);
   TableMotion motion{patient.devices.table->turntable.get(), &patient.clock, patient.stop};
   motion.note = patient.say;
-  const auto state = WaitUntilStill(
-      motion, patient.clock.Now() + FromSeconds(patient.config.plan.move_timeout_s));
+  const auto state =
+      WaitUntilStill(motion, patient.clock.Now() + FromSeconds(patient.config.plan.move_timeout_s));
   if (!state) return Failed(state.error().text, "check the table, then give the command again");
   const std::string home = "turnlight home " + patient.config.file;
   if (state->motion == rig::TableMotion::kUnhomed)
@@ -91,13 +91,13 @@ Check CheckExposure(Patient& patient) {
     figure += (figure.empty() ? "" : ", ") +
               Format("%.6g us and %.4g dB asked, %.6g us and %.4g dB read back", asked.exposure_us,
                      asked.gain_db, set->exposure_us, set->gain_db);
-    same = same &&
-           std::abs(set->exposure_us - exposure_us) <= kExposureTolerance * exposure_us &&
+    same = same && std::abs(set->exposure_us - exposure_us) <= kExposureTolerance * exposure_us &&
            std::abs(set->gain_db - asked.gain_db) <= kGainTolerance_db;
   }
   return same ? Fine(figure)
-              : Failed(figure, "put what was read back into capture/exposures_us and gain_db: a "
-                               "capture refuses pictures that were exposed otherwise");
+              : Failed(figure,
+                       "put what was read back into capture/exposures_us and gain_db: a "
+                       "capture refuses pictures that were exposed otherwise");
 }
 
 Check CheckCalibrationPictures(Patient& patient) {

@@ -63,9 +63,8 @@ std::optional<in_addr> SenderTo(const in_addr& to) {
   peer.sin_port = htons(kGvcpPort);
   socklen_t size = sizeof own;
   // Sends nothing: it only picks the route.
-  const bool found =
-      connect(handle, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) == 0 &&
-      getsockname(handle, reinterpret_cast<sockaddr*>(&own), &size) == 0;
+  const bool found = connect(handle, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) == 0 &&
+                     getsockname(handle, reinterpret_cast<sockaddr*>(&own), &size) == 0;
   close(handle);
   return found ? std::optional(own.sin_addr) : std::nullopt;
 }
@@ -139,9 +138,9 @@ Check JudgeSocketBuffer(std::optional<long> allowed_bytes, long needed_bytes) {
                                     *allowed_bytes, needed_bytes);
   if (*allowed_bytes >= needed_bytes) return Fine(figure);
   const std::string line = Format("net.core.rmem_max=%ld", needed_bytes);
-  return Warning(figure + ": packets get lost when the program is busy",
-                 "sudo sysctl -w " + line + "; and for good, " + line +
-                     " in /etc/sysctl.d/60-turnlight.conf");
+  return Warning(
+      figure + ": packets get lost when the program is busy",
+      "sudo sysctl -w " + line + "; and for good, " + line + " in /etc/sysctl.d/60-turnlight.conf");
 }
 
 Check JudgeMtu(const std::string& interface, long mtu, int packet_size) {

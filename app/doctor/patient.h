@@ -22,7 +22,7 @@ struct DoctorOptions {
 
 // A hundred pictures, one after the other.
 struct FrameTrial {
-  int asked = 0, good = 0, again = 0;  // again: triggers beyond one a picture
+  int asked = 0, good = 0, again = 0;                     // again: triggers beyond one a picture
   std::optional<double> packets_missing, packets_resent;  // if the camera counts them
   std::vector<double> seconds;  // from trigger to picture, of the good ones
   std::string error;            // of the first that did not come

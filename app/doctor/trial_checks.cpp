@@ -20,8 +20,9 @@ namespace turnlight::app {
 namespace {
 
 constexpr int kTrialFrames = 100;
-constexpr int kMostLost = 3;                    // then it is of no use to go on
-constexpr double kTrialExposure_us = 20000.0;   // at most: a hundred of a second each would take long
+constexpr int kMostLost = 3;  // then it is of no use to go on
+constexpr double kTrialExposure_us =
+    20000.0;  // at most: a hundred of a second each would take long
 constexpr double kTurnHome_s = 120.0;
 constexpr double kQuarterTurn_deg = 90.0;
 
@@ -59,8 +60,8 @@ FrameTrial TakeTrial(const Patient& patient) {
   rig::Camera& camera = *patient.devices.camera->camera;
   const Counter missing(camera, "PacketsMissing"), resent(camera, "PacketsResent"),
       again(camera, "TriggersAgain");
-  const Shooting shooting = ShootingOf(
-      patient, std::min(patient.config.plan.exposures_us.front(), kTrialExposure_us));
+  const Shooting shooting =
+      ShootingOf(patient, std::min(patient.config.plan.exposures_us.front(), kTrialExposure_us));
   FrameTrial trial;
   Progress progress("taking pictures", kTrialFrames);
   while (trial.asked < kTrialFrames && trial.asked - trial.good < kMostLost) {
@@ -101,8 +102,7 @@ Status Approach(const Patient& patient, const TableMotion& motion, double& at_de
                 double angle_deg) {
   for (const double leg : rig::MoveLegs(patient.config.plan, at_deg, angle_deg)) {
     if (leg == at_deg) continue;
-    const auto state =
-        TurnTable(motion, leg, FromSeconds(patient.config.plan.move_timeout_s));
+    const auto state = TurnTable(motion, leg, FromSeconds(patient.config.plan.move_timeout_s));
     if (!state) return Forward(state);
     at_deg = leg;
   }
@@ -120,8 +120,8 @@ Result<cv::Mat> PictureAtRest(const Patient& patient) {
 }
 
 Result<double> KnownAngle(const Patient& patient, const TableMotion& motion) {
-  auto state = WaitUntilStill(
-      motion, patient.clock.Now() + FromSeconds(patient.config.plan.move_timeout_s));
+  auto state =
+      WaitUntilStill(motion, patient.clock.Now() + FromSeconds(patient.config.plan.move_timeout_s));
   if (state && state->motion != rig::TableMotion::kIdle) {
     patient.say(HomeText(NameOfTable(patient.config)));
     state = HomeTable(motion, FromSeconds(kTurnHome_s));
@@ -137,10 +137,11 @@ Result<rig::ClosureCheck> TurnOnce(const Patient& patient, const calib::Radiomet
   auto at = KnownAngle(patient, motion);
   if (!at) return Forward(at);
   const auto angles = QuartersOf(patient.config.plan);
-  patient.say(Format("the table %s will turn from %.3f to %.3f degrees and on to %.3f degrees in "
-                     "quarter turns, at %.4g deg/s",
-                     NameOfTable(patient.config).c_str(), *at, angles.front(), angles.back(),
-                     patient.devices.table->kinematics.speed_deg_per_s));
+  patient.say(
+      Format("the table %s will turn from %.3f to %.3f degrees and on to %.3f degrees in "
+             "quarter turns, at %.4g deg/s",
+             NameOfTable(patient.config).c_str(), *at, angles.front(), angles.back(),
+             patient.devices.table->kinematics.speed_deg_per_s));
   std::vector<cv::Mat> ends;
   Progress progress("quarter turns", angles.size());
   for (const double angle : angles) {

@@ -65,14 +65,20 @@ double ExposureFactor(double clipped, double saturation, std::vector<float>& bri
   return std::clamp(wanted / std::max(brightest_level, 1e-6), kMostReduction, kLeastReduction);
 }
 
+// To two digits, and never as a power of ten.
+std::string TimesText(double times) {
+  return times < 10.0 ? NumberText(times, 2)
+                      : NumberText(times < 100.0 ? std::round(times) : 100.0);
+}
+
 // "halve the exposure", "raise the exposure 20 times".
 std::string ExposureWords(double factor) {
   const double times = factor < 1.0 ? 1.0 / factor : factor;
   const bool twice = times > 1.8 && times < 2.2;
   if (factor < 1.0)
-    return twice ? "halve the exposure" : "divide the exposure by " + NumberText(times, 2);
+    return twice ? "halve the exposure" : "divide the exposure by " + TimesText(times);
   return twice ? "double the exposure"
-               : "raise the exposure " + NumberText(times, 2) + " times" +
+               : "raise the exposure " + TimesText(times) + " times" +
                      (factor >= kMostIncrease ? " or more" : "");
 }
 

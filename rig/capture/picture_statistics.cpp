@@ -30,7 +30,8 @@ ChannelStatistics Summarise(std::vector<float>& values, const calib::Radiometry&
     const double bin = std::clamp(std::floor(level * kLevelBins), 0.0, kLevelBins - 1.0);
     ++result.histogram[static_cast<std::size_t>(bin)];
   }
-  result.clipped_share = (static_cast<double>(clipped) + count - static_cast<double>(values.size())) / count;
+  result.clipped_share =
+      (static_cast<double>(clipped) + count - static_cast<double>(values.size())) / count;
   result.black_share = static_cast<double>(black) / count;
   if (values.empty()) return result;
   result.mean = sum / static_cast<double>(values.size());

@@ -15,10 +15,10 @@ namespace turnlight::rig {
 inline constexpr std::size_t kLevelBins = 40;
 
 struct ChannelStatistics {
-  std::string name;                                            // grey, R, G or B
-  double min = 0.0, median = 0.0, mean = 0.0, max = 0.0;       // DN
-  double clipped_share = 0.0;  // at saturation or above, or not finite
-  double black_share = 0.0;    // at the black level or below
+  std::string name;                                       // grey, R, G or B
+  double min = 0.0, median = 0.0, mean = 0.0, max = 0.0;  // DN
+  double clipped_share = 0.0;                             // at saturation or above, or not finite
+  double black_share = 0.0;                               // at the black level or below
   // Pixels by level, in equal steps from black to white; what lies outside counts at the ends.
   std::array<std::size_t, kLevelBins> histogram{};
 };

@@ -1,10 +1,12 @@
-#include <cstdio>
 #include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "rig/sim/blob.h"
 #include "tests/loop/stage_loop.h"
 #include "tests/nodes/static_render.h"
-#include "rig/sim/blob.h"
 using namespace turnlight;
-TEST(D,D){
+TEST(D, D) {
   rig::sim::MockCameraConfig config;
   config.scene.target = rig::sim::Blob{};
   config.scene.motion.kind = rig::sim::MotionKind::kTable;
@@ -14,7 +16,11 @@ TEST(D,D){
   auto run = loop::RunStageLoop(loop::SmallStageLoop("grbl"));
   for (auto& b : run.brackets) {
     std::printf("%g measured %g:", b.angle_deg, b.angle_measured_deg);
-    for (double d : {-0.1,-0.05,-0.02,0.0,0.02,0.05,0.1}) { auto c=b; c.angle_deg+=d; std::printf(" %g:%.1f", d, nodes::WorstSigmas({c}, config)); }
+    for (double d : {-0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1}) {
+      auto c = b;
+      c.angle_deg += d;
+      std::printf(" %g:%.1f", d, nodes::WorstSigmas({c}, config));
+    }
     std::printf("\n");
   }
 }

@@ -1,7 +1,7 @@
 // Proves, through real drivers, ports and nodes against simulated controllers: every frame is the
-// scene at rest at its angle to within 5 sigma of its noise, whatever a serial line or a stage does of
-// what docs/faults.md lists; what cannot be gone on with ends in time with its reason. Built twice:
-// through termios, and through libserialport. Does not prove: anything of a real controller.
+// scene at rest at its angle to within 5 sigma of its noise, whatever a serial line or a stage does
+// of what docs/faults.md lists; what cannot be gone on with ends in time with its reason. Built
+// twice: through termios, and through libserialport. Does not prove: anything of a real controller.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,14 +47,12 @@ TEST_P(StageLoop, EveryFrameIsTheStaticRenderAtItsAngle) {
 
 // What a capture survives by itself, with or without a repetition.
 TEST_P(StageLoop, SurvivesWhatALineAndAStageDo) {
-  std::vector<FaultKind> kinds{FaultKind::kSerialGarbage, FaultKind::kSplitLine,
-                               FaultKind::kNulBytes,      FaultKind::kLongLine,
-                               FaultKind::kDroppedReply,  FaultKind::kDuplicateReply,
-                               FaultKind::kLateReply,     FaultKind::kLostStatus,
-                               FaultKind::kAlteredStatus, FaultKind::kUnplugged,
-                               FaultKind::kAlarm,         FaultKind::kReset,
-                               FaultKind::kLateArrival,   FaultKind::kLimit,
-                               FaultKind::kWrongPosition};
+  std::vector<FaultKind> kinds{
+      FaultKind::kSerialGarbage, FaultKind::kSplitLine,    FaultKind::kNulBytes,
+      FaultKind::kLongLine,      FaultKind::kDroppedReply, FaultKind::kDuplicateReply,
+      FaultKind::kLateReply,     FaultKind::kLostStatus,   FaultKind::kAlteredStatus,
+      FaultKind::kUnplugged,     FaultKind::kAlarm,        FaultKind::kReset,
+      FaultKind::kLateArrival,   FaultKind::kLimit,        FaultKind::kWrongPosition};
   std::vector<StageLoopOptions> all;
   for (const FaultKind kind : kinds) {
     all.push_back(SmallStageLoop(GetParam()));

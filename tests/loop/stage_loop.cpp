@@ -56,8 +56,7 @@ class ShiftedCamera : public rig::Camera {
 
  private:
   rig::DeviceTime Shifted(rig::DeviceTime now) {
-    if (offset_ == rig::DeviceTime(0))
-      offset_ = std::chrono::steady_clock::now() - epoch_ - now;
+    if (offset_ == rig::DeviceTime(0)) offset_ = std::chrono::steady_clock::now() - epoch_ - now;
     return now + offset_;
   }
 
@@ -82,17 +81,15 @@ StrictObject Parse(const std::string& text, std::vector<std::unique_ptr<Document
 }
 
 std::string SimulatorText(const StageLoopOptions& options, const std::string& link) {
-  const std::string own = options.firmware == "grbl"
-                              ? std::string(", settings: {22: 1}")
-                              : std::string();
+  const std::string own =
+      options.firmware == "grbl" ? std::string(", settings: {22: 1}") : std::string();
   const std::string serial = options.firmware == "zaber" ? "54321" : "TABLE-1";
   return "{firmware: " + options.firmware + ", link: " + link + ", serial: \"" + serial +
          "\", max_speed_deg_s: 300, acceleration_deg_s2: 3000, home_speed_deg_s: 720" + own + "}";
 }
 
 std::string DriverText(const StageLoopOptions& options, const std::string& link) {
-  const std::string own =
-      options.firmware == "zaber" ? ", steps_per_deg: 100" : std::string();
+  const std::string own = options.firmware == "zaber" ? ", steps_per_deg: 100" : std::string();
   return "{driver: " + options.firmware + ", port: " + link + ", speed_deg_s: 60" + own + "}";
 }
 
@@ -105,10 +102,11 @@ constexpr char kGraph[] = R"(  connections:
 
 nodes::graph::Graph BuildLoop(const StageLoopOptions& options, rig::RigSetup rig,
                               std::function<void(const std::string&)> log_line) {
-  const std::string text = "graph:\n  executor: wall\n  nodes:\n    keyframes: {type: keyframes, params: " +
-                           options.keyframes_params + "}\n    turntable: {type: turntable, params: " +
-                           options.turntable_params +
-                           "}\n    camera: {type: camera}\n    logger: {type: logger}\n" + kGraph;
+  const std::string text =
+      "graph:\n  executor: wall\n  nodes:\n    keyframes: {type: keyframes, params: " +
+      options.keyframes_params +
+      "}\n    turntable: {type: turntable, params: " + options.turntable_params +
+      "}\n    camera: {type: camera}\n    logger: {type: logger}\n" + kGraph;
   auto config = Expect(nodes::graph::ParseGraphConfig(text, "loop.yaml"));
   const auto work = std::make_shared<const nodes::CaptureWork>(
       nodes::CaptureWork{rig::PlannedFrames(options.plan), nullptr, std::move(log_line)});
@@ -158,8 +156,8 @@ StageLoopRun RunStageLoop(const StageLoopOptions& options) {
   simulation.faults = options.faults;
   auto world = Expect(rig::sim::BuildWorld(simulation));
   const SimulatorEpoch epoch = std::chrono::steady_clock::now();
-  const auto simulator = Expect(rig::sim::stage::StartStage(
-      Parse(SimulatorText(options, link), documents), world, epoch));
+  const auto simulator = Expect(
+      rig::sim::stage::StartStage(Parse(SimulatorText(options, link), documents), world, epoch));
   auto table = Expect(MakeTable(options.firmware, Parse(DriverText(options, link), documents)));
 
   rig::CameraDevice camera;
