@@ -21,8 +21,8 @@ int RunJog(const MotionArguments& arguments, const JogTarget& target, const Driv
 
 struct SnapArguments {
   std::string config, out;
-  std::optional<double> exposure_us, gain_db;  // else the config's
-  std::optional<double> timeout_s;
+  std::optional<double> exposure_us = {}, gain_db = {};  // else the config's
+  std::optional<double> timeout_s = {};
 };
 int RunSnap(const SnapArguments& arguments, const Drivers& drivers);
 

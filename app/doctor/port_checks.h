@@ -22,7 +22,7 @@ struct PortAccess {
   std::string path;
   bool there = false, allowed = false;
   bool group_may = false;   // read and write it
-  std::string group, user;  // of the port; of this program
+  std::string group = {}, user = {};  // of the port; of this program
 };
 Check JudgePortAccess(const PortAccess& access);
 // named: as the config says it. info: of the system, if it knows the port.

@@ -33,9 +33,13 @@ cv::Mat1f ToLevels(const cv::Mat& image, const calib::Radiometry& radiometry) {
   return levels;
 }
 
+// A level of exactly that much may have been rounded down, by less than any step between DN.
+constexpr float kLevelRounding = 5e-7f;
+
 float SaturationLevel(const calib::Radiometry& radiometry) {
   return static_cast<float>((radiometry.SaturationDn() - radiometry.black) /
-                            (radiometry.white - radiometry.black));
+                            (radiometry.white - radiometry.black)) -
+         kLevelRounding;
 }
 
 std::string Percent(double share) { return Format("%.3g %%", 100.0 * share); }
@@ -65,20 +69,20 @@ double ExposureFactor(double clipped, double saturation, std::vector<float>& bri
   return std::clamp(wanted / std::max(brightest_level, 1e-6), kMostReduction, kLeastReduction);
 }
 
-// To two digits, and never as a power of ten.
-std::string TimesText(double times) {
-  return times < 10.0 ? NumberText(times, 2)
-                      : NumberText(times < 100.0 ? std::round(times) : 100.0);
+// To two digits or to the unit, and never as a power of ten.
+std::string Shortly(double value) {
+  if (value < 0.005) return "0";
+  return value < 10.0 ? NumberText(value, 2) : NumberText(std::round(value));
 }
 
 // "halve the exposure", "raise the exposure 20 times".
 std::string ExposureWords(double factor) {
   const double times = factor < 1.0 ? 1.0 / factor : factor;
-  const bool twice = times > 1.8 && times < 2.2;
+  const bool twice = times > 1.75 && times < 2.3;
   if (factor < 1.0)
-    return twice ? "halve the exposure" : "divide the exposure by " + TimesText(times);
+    return twice ? "halve the exposure" : "divide the exposure by " + Shortly(times);
   return twice ? "double the exposure"
-               : "raise the exposure " + TimesText(times) + " times" +
+               : "raise the exposure " + Shortly(times) + " times" +
                      (factor >= kMostIncrease ? " or more" : "");
 }
 
@@ -145,10 +149,10 @@ FrameStatistics MeasureFrame(const cv::Mat& image, const calib::Radiometry& radi
 
 std::string ExposureAdvice(const FrameStatistics& statistics) {
   if (statistics.saturated_share > kGoodClippedShare)
-    return Format("%.2g %% clipped: ", 100.0 * statistics.saturated_share) +
+    return Shortly(100.0 * statistics.saturated_share) + " % clipped: " +
            ExposureWords(statistics.exposure_factor);
   if (statistics.exposure_factor < kWorthIncreasing) return "";
-  return Format("mean level %.2g %% of white: ", 100.0 * statistics.mean_level) +
+  return "mean level " + Shortly(100.0 * statistics.mean_level) + " % of white: " +
          ExposureWords(statistics.exposure_factor);
 }
 

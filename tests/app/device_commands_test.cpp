@@ -28,7 +28,7 @@ constexpr char kMockRig[] =
     "rig:\n"
     "  table: {driver: mock, max_speed_deg_s: 1000, acceleration_deg_s2: 10000, home_speed_deg_s: "
     "1000}\n"
-    "  camera: {driver: mock}\n"
+    "  camera: {driver: mock, readout_ms: 1}\n"
     "simulation:\n"
     "  target: {shape: blob, radius: 40, depth: 0.3, segments: 24}\n"
     "  motion: {kind: table, distance: 420, elevation_deg: 30}\n"
@@ -93,7 +93,7 @@ TEST_F(DeviceCommands, InterruptsHaltTheMotor) {
   Replace(slow, "max_speed_deg_s: 1000", "max_speed_deg_s: 20");
   const std::string config = Write("slow.yaml", slow);
   for (const int signal : {SIGINT, SIGTERM}) {
-    const std::string err = folder_ / "err";
+    const std::string err = folder_ / ("err" + std::to_string(signal));
     const pid_t process = Start({"jog", config, "3600"}, err);
     while (ReadText(err).find("will turn") == std::string::npos) ::usleep(2000);
     ::kill(process, signal);

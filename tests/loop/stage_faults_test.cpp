@@ -70,7 +70,7 @@ TEST_P(StageLoop, SurvivesWhatALineAndAStageDo) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Firmwares, StageLoop, testing::Values("grbl"),
+INSTANTIATE_TEST_SUITE_P(Firmwares, StageLoop, testing::Values("grbl", "zaber", "smc100"),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

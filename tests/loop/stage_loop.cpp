@@ -35,7 +35,8 @@ class ShiftedCamera : public rig::Camera {
       : camera_(std::move(camera)), epoch_(epoch) {}
 
   Result<rig::DeviceIdentity> Open(rig::DeviceTime now) override {
-    return camera_->Open(Shifted(now));
+    // Of the first opening there is no clock yet.
+    return camera_->Open(now == rig::DeviceTime(0) ? now : Shifted(now));
   }
   Result<rig::CameraSettings> Set(const rig::CameraSettings& settings,
                                   rig::DeviceTime now) override {
@@ -89,7 +90,8 @@ std::string SimulatorText(const StageLoopOptions& options, const std::string& li
 }
 
 std::string DriverText(const StageLoopOptions& options, const std::string& link) {
-  const std::string own = options.firmware == "zaber" ? ", steps_per_deg: 100" : std::string();
+  const std::string own =
+      options.firmware == "zaber" ? ", microsteps_per_turn: 36000" : std::string();
   return "{driver: " + options.firmware + ", port: " + link + ", speed_deg_s: 60" + own + "}";
 }
 
@@ -119,7 +121,8 @@ nodes::graph::Graph BuildLoop(const StageLoopOptions& options, rig::RigSetup rig
 Result<rig::TableDevice> MakeTable(const std::string& firmware, StrictObject keys) {
   keys.Ignore("driver");
   if (firmware == "grbl") return rig::serial::MakeGrblTable(keys);
-  throw std::runtime_error(firmware + ": no such driver");
+  if (firmware == "zaber") return rig::serial::MakeZaberTable(keys);
+  return rig::serial::MakeSmc100Table(keys);
 }
 
 }  // namespace

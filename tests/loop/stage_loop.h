@@ -18,7 +18,7 @@ struct StageLoopOptions {
   std::string firmware;  // grbl, zaber, smc100
   std::vector<rig::sim::FaultEntry> faults;
   rig::CapturePlan plan;  // 4 keyframes of 30 degrees unless changed
-  std::string keyframes_params = "{retry_wait_ms: 100, lost_timeout_s: 3}";
+  std::string keyframes_params = "{retry_wait_ms: 200, lost_timeout_s: 10}";
   std::string turntable_params = "{poll_ms: 10, home_timeout_s: 5}";
 };
 StageLoopOptions SmallStageLoop(const std::string& firmware);

@@ -39,7 +39,7 @@ TEST(DeviceChecks, Cameras) {
   PatientOf good("capture: {exposures_us: [100, 200]}\n" + std::string(kFakeRig));
   EXPECT_EQ(CheckExposure(good.patient).verdict, Verdict::kSkipped);
   EXPECT_EQ(CheckCamera(good.patient).verdict, Verdict::kOk);
-  EXPECT_THAT(CheckExposure(good.patient).figure, HasSubstr("200 us read back"));
+  EXPECT_THAT(CheckExposure(good.patient).figure, HasSubstr("200 us and 0 dB read back"));
   good.fakes.camera->exposure_factor = 1.01;
   const auto other = CheckExposure(good.patient);
   EXPECT_EQ(other.verdict, Verdict::kFailed);

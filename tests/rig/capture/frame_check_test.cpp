@@ -94,9 +94,21 @@ std::vector<double> Followed(const LevelOf& level_of, double exposure) {
   return exposures;
 }
 
+// 4095 above a black of 100 is 1 but for rounding.
+TEST(FrameCheck, WhiteIsSaturatedWhateverTheRounding) {
+  calib::Radiometry radiometry;
+  for (int black = 0; black < 200; ++black) {
+    radiometry.black = black;
+    radiometry.white = 4095.0;
+    const cv::Mat white(4, 4, CV_16U, cv::Scalar(4095)), below(4, 4, CV_16U, cv::Scalar(4094));
+    EXPECT_EQ(MeasureFrame(white, radiometry).saturated_share, 1.0) << black;
+    EXPECT_EQ(MeasureFrame(below, radiometry).saturated_share, 0.0) << black;
+  }
+}
+
 TEST(FrameCheck, AdviceOfADarkPictureIsExact) {
   const auto ramp = [](double u) { return u; };  // the brightest thousandth begins at 0.999
-  for (const double exposure : {0.004, 0.04, 0.4}) {
+  for (const double exposure : {0.01, 0.04, 0.4}) {
     const auto followed = Followed(ramp, exposure);
     ASSERT_EQ(followed.size(), 2u) << exposure;
     EXPECT_NEAR(followed[1], 0.8, 0.04) << exposure;
