@@ -19,6 +19,7 @@ void AddReplay(CLI::App& program, Action& action);
 void AddGraph(CLI::App& program, Action& action);
 void AddEstimate(CLI::App& program, Action& action);
 void AddRender(CLI::App& program, Action& action);
+void AddSimulate(CLI::App& program, Action& action);
 void AddSynthesize(CLI::App& program, Action& action);
 void AddVerify(CLI::App& program, Action& action);
 void AddCompare(CLI::App& program, Action& action);

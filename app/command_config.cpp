@@ -5,6 +5,7 @@
 #include "app/exit_code.h"
 #include "app/rig_config.h"
 #include "app/run_config.h"
+#include "app/simulator.h"
 #include "rig/sim/synthetic_config.h"
 
 namespace turnlight::app {
@@ -19,13 +20,25 @@ Status CheckRun(const std::string& file) {
   return graph ? Status() : Forward(graph);
 }
 
+// Of synthesize or simulate.
+Status CheckScene(const std::string& file) {
+  const auto is_simulator = IsSimulatorConfig(file);
+  if (!is_simulator) return Forward(is_simulator);
+  if (*is_simulator) {
+    const auto config = ReadSimulatorConfig(file);
+    return config ? Status() : Forward(config);
+  }
+  const auto config = rig::sim::ReadSyntheticConfig(file);
+  return config ? Status() : Forward(config);
+}
+
 int CheckFile(const std::string& file) {
   const auto is_run = IsRunConfig(file);
   if (!is_run) return Fail(is_run.error());
   if (*is_run) {
     if (const Status status = CheckRun(file); !status) return Fail(status.error());
-  } else if (const auto config = rig::sim::ReadSyntheticConfig(file); !config) {
-    return Fail(config.error());
+  } else if (const Status status = CheckScene(file); !status) {
+    return Fail(status.error());
   }
   std::cout << file << ": good" << std::endl;
   return kDone;
@@ -61,7 +74,7 @@ void AddConfig(CLI::App& program, Action& action) {
   command->require_subcommand(1);
   command->footer("Example:\n  turnlight config show configs/synthetic_sphere.yaml");
   AddPart(*command, action, "check", "Check a configuration without running it",
-          "synthesize or run", CheckFile);
+          "synthesize, simulate or run", CheckFile);
   AddPart(*command, action, "show", "Print every key with its value, defaults included",
           "synthesize", Show);
 }

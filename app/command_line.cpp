@@ -30,6 +30,7 @@ void Configure(CLI::App& program, Action& action) {
   AddGraph(program, action);
   AddEstimate(program, action);
   AddRender(program, action);
+  AddSimulate(program, action);
   AddSynthesize(program, action);
   AddVerify(program, action);
   AddCompare(program, action);

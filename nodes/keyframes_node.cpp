@@ -188,26 +188,34 @@ Status KeyframesNode::Accept() {
   return BeginKeyframe();
 }
 
-bool KeyframesNode::LostForTooLong(ErrorKind kind) {
-  if (kind != ErrorKind::kDevice) return false;
+// Whether it is tried again: a device for as long as it may be lost, if that was said; all else as
+// often as the plan has it.
+bool KeyframesNode::TryAgain(ErrorKind kind) {
+  const bool lost = kind == ErrorKind::kDevice && lost_timeout_;
+  if (!lost) return bracket_.attempts <= job_.plan.retries;
   if (!failing_since_) failing_since_ = clock_.Now();
-  return lost_timeout_ && clock_.Now() - *failing_since_ >= *lost_timeout_;
+  return clock_.Now() - *failing_since_ < *lost_timeout_;
+}
+
+graph::Duration KeyframesNode::Rest() const {
+  const graph::Duration rest = retry_wait_ * (1 << std::min(bracket_.attempts - 1, 6));
+  if (!failing_since_) return rest;
+  const graph::Duration left = *failing_since_ + *lost_timeout_ - clock_.Now();
+  return std::clamp<graph::Duration>(left, retry_wait_, std::min(rest, 4 * retry_wait_));
 }
 
 Status KeyframesNode::Reject(ErrorKind kind, const std::string& why) {
   timer_.Cancel();
   bracket_.rejected.push_back(why);
+  const std::int64_t allowed = std::max<std::int64_t>(job_.plan.retries + 1, bracket_.attempts);
   const std::string text = rig::Label(Frame()) + ", attempt " + std::to_string(bracket_.attempts) +
-                           " of " + std::to_string(job_.plan.retries + 1) + ": " + why;
-  if (LostForTooLong(kind) || bracket_.attempts > job_.plan.retries)
+                           " of " + std::to_string(allowed) + ": " + why;
+  if (!TryAgain(kind))
     return tl::unexpected<Error>(
         Error{kind, text + "; the capture pauses here, all good frames are kept"});
   ReportFault("retry", text);
   Enter(Phase::kResting);
-  graph::Duration rest = retry_wait_ * (1 << std::min(bracket_.attempts - 1, 6));
-  if (lost_timeout_ && failing_since_)
-    rest = std::min(rest, std::max(*failing_since_ + *lost_timeout_ - clock_.Now(), retry_wait_));
-  timer_.After(rest);
+  timer_.After(Rest());
   ++bracket_.attempts;
   return {};
 }

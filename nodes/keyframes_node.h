@@ -10,8 +10,8 @@
 //            retry_wait_ms (500): rest before the first repetition, twice as long before the next;
 //            state_timeout_ms (2000): a table that tells nothing for so long counts as lost;
 //            home_timeout_s (130): added to every move, as it may begin with a homing;
-//            lost_timeout_s (none): a device that has failed for so long in one keyframe ends the
-//            capture, whatever repetitions are left
+//            lost_timeout_s (none): a device that fails is tried again for so long in one keyframe,
+//            however often that is; none: as often as all else
 // Every rejection is a fault of code "retry". A stop in order waits for the keyframe that was
 // begun.
 #pragma once
@@ -64,7 +64,8 @@ class KeyframesNode : public graph::Node {
   Status Judge(const Frame& frame);
   Status Accept();
   Status Reject(ErrorKind kind, const std::string& why);
-  bool LostForTooLong(ErrorKind kind);
+  bool TryAgain(ErrorKind kind);
+  graph::Duration Rest() const;
   void Enter(Phase phase);
   const rig::PlannedFrame& Frame() const { return work_->frames[next_]; }
 

@@ -10,5 +10,7 @@
 namespace turnlight::rig::serial {
 
 Result<TableDevice> MakeGrblTable(StrictObject keys);
+Result<TableDevice> MakeZaberTable(StrictObject keys);
+Result<TableDevice> MakeSmc100Table(StrictObject keys);
 
 }  // namespace turnlight::rig::serial

@@ -18,15 +18,6 @@ PictureFormat FormatOf(const SyntheticConfig& scene) {
   return format;
 }
 
-// The simulated sensor's noise in the merge's terms.
-SensorNoise NoiseOf(const Sensor& sensor, const calib::Radiometry& radiometry) {
-  const double span = radiometry.white - radiometry.black;
-  SensorNoise noise;
-  noise.read_noise_dn = sensor.noise_relative * span;
-  noise.dn_per_electron = sensor.noise_shot * sensor.noise_shot * span;
-  return noise;
-}
-
 CaptureTarget CopyOf(const calib::TargetShape& shape) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&shape)) return *sphere;
   if (const auto* plane = std::get_if<calib::PlaneShape>(&shape)) return *plane;
@@ -34,6 +25,14 @@ CaptureTarget CopyOf(const calib::TargetShape& shape) {
 }
 
 }  // namespace
+
+SensorNoise NoiseOf(const Sensor& sensor, const calib::Radiometry& radiometry) {
+  const double span = radiometry.white - radiometry.black;
+  SensorNoise noise;
+  noise.read_noise_dn = sensor.noise_relative * span;
+  noise.dn_per_electron = sensor.noise_shot * sensor.noise_shot * span;
+  return noise;
+}
 
 Result<SimulatedWorld> BuildWorld(SimulationConfig config) {
   auto studio = BuildStudio(config.camera);

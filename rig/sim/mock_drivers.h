@@ -33,6 +33,8 @@ Result<CameraDevice> MakeMockCamera(StrictObject object, const SimulatedWorld& w
 
 // What is known of the world exactly: lens, geometry, radiometry, noise; its target.
 RigKnowledge KnowledgeOf(const SimulatedWorld& world);
+// The simulated sensor's noise in the merge's terms, for DN of that radiometry.
+SensorNoise NoiseOf(const Sensor& sensor, const calib::Radiometry& radiometry);
 RigTarget TargetOf(const SimulatedWorld& world);
 
 }  // namespace turnlight::rig::sim

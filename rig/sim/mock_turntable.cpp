@@ -195,6 +195,7 @@ Status MockTurntable::MoveTo(double angle_deg, DeviceTime now) {
 
 void MockTurntable::BeginMove(double angle_deg, double speed_deg_s, double acceleration_deg_s2,
                               DeviceTime now) {
+  ++moves_;
   Segment segment = BeginSegment(now);
   segment.commanded_deg = angle_deg;
   const auto to_steps = static_cast<std::int64_t>(std::llround(angle_deg * config_.steps_per_deg));
@@ -304,6 +305,11 @@ double MockTurntable::TrueAngleDeg(DeviceTime time) const {
                  std::sin(2.0 * std::numbers::pi * config_.settle_frequency_hz * since_s);
   }
   return angle_deg;
+}
+
+std::uint64_t MockTurntable::moves() const {
+  const std::lock_guard lock(mutex_);
+  return moves_;
 }
 
 double MockTurntable::CommandedAngleDeg(DeviceTime time) const {

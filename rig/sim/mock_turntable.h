@@ -61,6 +61,8 @@ class MockTurntable : public Turntable {
   // The platter's angle. Continuous but for whole turns when homing begins, and for the remains of
   // a swing that the next move cuts short.
   double TrueAngleDeg(DeviceTime time) const;
+  // How many moves to an angle it has begun.
+  std::uint64_t moves() const;
   // The angle of the last MoveTo before or at that time; 0 if there was none.
   double CommandedAngleDeg(DeviceTime time) const;
   // The table moves by itself for so long, and the controller counts it. No effect unless it stands
@@ -117,6 +119,7 @@ class MockTurntable : public Turntable {
   mutable std::mutex mutex_;
   std::vector<Segment> segments_;  // never empty, in order of time, none overlaps the next
   bool open_ = false;
+  std::uint64_t moves_ = 0;
   DeviceTime unplugged_until_{};
 };
 

@@ -33,6 +33,20 @@ Result<calib::CameraModel> MakeCamera(const SyntheticCamera& config) {
       "camera");
 }
 
+// Falls with the square of the distance from the picture's centre.
+cv::Mat1f ShadingOf(const SyntheticCamera& config) {
+  if (config.vignetting == 0.0) return {};
+  cv::Mat1f shading(config.height, config.width);
+  const double cx = 0.5 * (config.width - 1), cy = 0.5 * (config.height - 1);
+  for (int row = 0; row < config.height; ++row)
+    for (int column = 0; column < config.width; ++column) {
+      const double dx = column - cx, dy = row - cy;
+      shading(row, column) =
+          static_cast<float>(1.0 - config.vignetting * (dx * dx + dy * dy) / (cx * cx + cy * cy));
+    }
+  return shading;
+}
+
 calib::TargetShape MakeTarget(const SyntheticConfig& config) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&config.target)) return *sphere;
   if (const auto* plane = std::get_if<calib::PlaneShape>(&config.target)) return *plane;
@@ -50,24 +64,22 @@ double SignalSigma(const Sensor& sensor, double gain_factor, double signal) {
   return std::sqrt(floor * floor + shot_variance * std::max(signal, 0.0));
 }
 
-cv::Mat3f WithNoise(const Sensor& sensor, const calib::Radiometry& radiometry,
-                    const calib::Exposure& exposure, const RandomStream& random,
-                    const cv::Mat3f& radiance) {
+cv::Mat WithNoise(const Sensor& sensor, const calib::Radiometry& radiometry,
+                  const calib::Exposure& exposure, const RandomStream& random,
+                  const cv::Mat& radiance) {
   if (sensor.noise_relative == 0.0 && sensor.noise_shot == 0.0) return radiance;
   const double exposure_factor = calib::ExposureFactor(radiometry, exposure);
   const double gain_factor = GainFactor(radiometry, exposure);
-  cv::Mat3f noisy(radiance.size());
+  cv::Mat noisy(radiance.size(), radiance.type());
+  const int values = radiance.cols * radiance.channels();
   ParallelFor(static_cast<std::size_t>(radiance.rows), [&](std::size_t row) {
-    const cv::Vec3f* pixels = radiance[static_cast<int>(row)];
-    cv::Vec3f* out = noisy[static_cast<int>(row)];
-    for (int column = 0; column < radiance.cols; ++column) {
-      for (int c = 0; c < 3; ++c) {
-        const std::uint64_t index = (row * radiance.cols + column) * 3 + c;
-        const double signal = pixels[column][c] / exposure_factor;
-        const double sigma = SignalSigma(sensor, gain_factor, signal);
-        out[column][c] =
-            static_cast<float>((signal + sigma * random.Normal(index)) * exposure_factor);
-      }
+    const auto* in = radiance.ptr<float>(static_cast<int>(row));
+    auto* out = noisy.ptr<float>(static_cast<int>(row));
+    for (int i = 0; i < values; ++i) {
+      const double signal = in[i] / exposure_factor;
+      const double sigma = SignalSigma(sensor, gain_factor, signal);
+      const std::uint64_t index = row * static_cast<std::uint64_t>(values) + i;
+      out[i] = static_cast<float>((signal + sigma * random.Normal(index)) * exposure_factor);
     }
   });
   return noisy;
@@ -88,6 +100,7 @@ Result<Studio> BuildStudio(const SyntheticConfig& config) {
   const calib::TargetShape target = MakeTarget(config);
   Studio studio{*camera,
                 calib::RayGrid(*camera),
+                ShadingOf(config.camera),
                 target,
                 estimator::target::Geometry(target),
                 *scene,
@@ -116,9 +129,12 @@ calib::RigPoses PlaceAt(const Motion& motion, double angle_deg) {
 estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit) {
   const estimator::model::Scene dark{{}, studio.scene.reflectance};
-  return estimator::target::Render(lit ? studio.scene : dark, studio.geometry, studio.rays,
-                                   placement.X_WC, placement.X_WT,
-                                   {.samples_per_side = studio.samples_per_side});
+  estimator::target::Rendering rendering = estimator::target::Render(
+      lit ? studio.scene : dark, studio.geometry, studio.rays, placement.X_WC, placement.X_WT,
+      {.samples_per_side = studio.samples_per_side});
+  for (int i = 0; i < static_cast<int>(studio.shading.total()); ++i)
+    rendering.radiance(i) *= studio.shading(i);
+  return rendering;
 }
 
 double NoiseSigma(const Sensor& sensor, const calib::Radiometry& radiometry,
@@ -130,7 +146,7 @@ double NoiseSigma(const Sensor& sensor, const calib::Radiometry& radiometry,
 
 cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
                    const calib::Exposure& exposure, const RandomStream& random,
-                   const cv::Mat3f& radiance) {
+                   const cv::Mat& radiance) {
   const cv::Mat dn = calib::Encode(WithNoise(sensor, radiometry, exposure, random, radiance),
                                    radiometry, exposure, CvDepth(sensor.depth));
   cv::Mat image;

@@ -20,6 +20,7 @@ namespace turnlight::rig::sim {
 struct Studio {
   calib::CameraModel camera;
   calib::RayGrid rays;
+  cv::Mat1f shading;  // share of the light that gets through the lens, per pixel; empty: all
   calib::TargetShape target;
   estimator::target::Geometry geometry;
   estimator::model::Scene scene;  // the truth
@@ -37,7 +38,7 @@ calib::RigGeometry GeometryOf(const Motion& motion);
 // Where camera and target are when the motion has gone round by angle_deg.
 calib::RigPoses PlaceAt(const Motion& motion, double angle_deg);
 
-// Noise-free. lit = false leaves the ambient term alone.
+// Noise-free, behind the lens. lit = false leaves the ambient term alone.
 estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit = true);
 
@@ -46,9 +47,10 @@ estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::
 double NoiseSigma(const Sensor& sensor, const calib::Radiometry& radiometry,
                   const calib::Exposure& exposure, double radiance);
 
-// The sensor: noise (value i of the picture takes random number i), encoding, clipping.
+// The sensor: noise (value i of the picture takes random number i), encoding, clipping. radiance is
+// CV_32FC3, or CV_32FC1 for a grey sensor.
 cv::Mat Photograph(const Sensor& sensor, const calib::Radiometry& radiometry,
                    const calib::Exposure& exposure, const RandomStream& random,
-                   const cv::Mat3f& radiance);
+                   const cv::Mat& radiance);
 
 }  // namespace turnlight::rig::sim

@@ -53,6 +53,7 @@ void CheckCamera(ConfigChecker& check, const SyntheticCamera& camera) {
   check.From("camera/size", camera.width, 8, 16384);
   check.From("camera/size", camera.height, 8, 16384);
   check.Above("camera/focal_px", camera.focal_px, 0.0, kMaxValue);
+  check.From("camera/vignetting", camera.vignetting, 0.0, 1.0);
   if (!camera.distortion) return;
   for (const double value : *camera.distortion) check.From("camera/distortion", value, -100, 100);
 }

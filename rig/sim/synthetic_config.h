@@ -7,7 +7,8 @@
 //   target              {shape: sphere, radius} | {shape: plane, size: [w, h], sides: 1|2} |
 //                       {shape: blob, radius, depth, segments}   (see rig/sim/blob.h)
 //   motion              {kind: orbit|table, frames, step_deg, distance, elevation_deg, tilt_deg}
-//   camera              {size: [w, h], focal_px, lens: pinhole|opencv8, distortion: [8 numbers]}
+//   camera              {size: [w, h], focal_px, lens: pinhole|opencv8, distortion: [8 numbers],
+//                       vignetting}
 //   lights              a list of {direction, distance (null: distant), intensity, color}
 //   random_lights       instead of lights: {count, min_separation_deg, zenith_max_deg,
 //                       distance: [lo, hi], distant_share, intensity: [lo, hi]}
@@ -64,6 +65,9 @@ struct SyntheticCamera {
   int height = 240;         // 8..16384
   double focal_px = 520.0;  // above 0; the principal point is the picture's centre
   std::optional<std::array<double, 8>> distortion;  // given: OPENCV8, else a pinhole
+  // Share of the light that the lens loses in the picture's corners, 0..1; it grows with the square
+  // of the distance from the centre.
+  double vignetting = 0.0;
 };
 
 struct LightSpec {

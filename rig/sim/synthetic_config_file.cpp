@@ -77,6 +77,7 @@ Status ReadCamera(StrictObject object, SyntheticCamera& camera) {
     camera.height = static_cast<int>((*size)[1]);
   }
   ReadField(object, "focal_px", camera.focal_px);
+  ReadField(object, "vignetting", camera.vignetting);
   const auto distortion = object.OptionalNumbers("distortion", 8);
   if (object.OptionalChoice("lens", {"pinhole", "opencv8"}) == "opencv8") {
     camera.distortion.emplace();
@@ -229,6 +230,7 @@ ordered_json ToJson(const SyntheticCamera& camera) {
                     {"focal_px", camera.focal_px},
                     {"lens", camera.distortion ? "opencv8" : "pinhole"}};
   if (camera.distortion) json["distortion"] = *camera.distortion;
+  json["vignetting"] = camera.vignetting;
   return json;
 }
 

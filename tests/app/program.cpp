@@ -31,8 +31,9 @@ pid_t Spawn(const std::vector<std::string>& arguments, const std::string& out,
 
 }  // namespace
 
-pid_t Start(const std::vector<std::string>& arguments, const std::string& err) {
-  return Spawn(arguments, "/dev/null", err, {});
+pid_t Start(const std::vector<std::string>& arguments, const std::string& err,
+            const std::string& out) {
+  return Spawn(arguments, out, err, {});
 }
 
 int Finish(pid_t process) {

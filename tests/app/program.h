@@ -22,8 +22,9 @@ struct Outcome {
 Outcome RunProgram(const std::vector<std::string>& arguments,
                    const std::vector<std::string>& environment = {});
 
-// Starts the program with its standard output thrown away; Finish waits for its end.
-pid_t Start(const std::vector<std::string>& arguments, const std::string& err = "/dev/null");
+// Starts the program with its outputs thrown away or sent to files; Finish waits for its end.
+pid_t Start(const std::vector<std::string>& arguments, const std::string& err = "/dev/null",
+            const std::string& out = "/dev/null");
 int Finish(pid_t process);
 
 std::string ReadText(const std::filesystem::path& path);

@@ -180,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, UnpluggedForGood,
 
 TEST(KeyframesNode, ADeviceThatStaysLostEndsTheCaptureInTime) {
   MockRigOptions options = SmallCapture();
-  options.plan.retries = 50;
+  options.plan.retries = 1;
   options.keyframes_params = "{retry_wait_ms: 200, lost_timeout_s: 3}";
   rig::sim::FaultEntry unplugged = FaultAt(FaultKind::kUnplugged, 60.0);
   unplugged.amount = 1e7;

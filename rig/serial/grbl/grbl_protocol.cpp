@@ -14,6 +14,8 @@ using std::chrono::milliseconds;
 // A bootloader takes up to two seconds before the banner comes.
 constexpr DeviceTime kBannerPatience = milliseconds(2500);
 constexpr DeviceTime kLinePatience = milliseconds(1500);
+constexpr DeviceTime kResetPatience = milliseconds(800);
+constexpr int kResetAttempts = 4;
 constexpr DeviceTime kQueryMoving = milliseconds(1000);
 constexpr DeviceTime kQueryPatience = milliseconds(700);
 constexpr int kMaxMissed = 3;
@@ -163,6 +165,12 @@ void GrblProtocol::OnLineDeadline() {
   if (phase_ == Phase::kBanner) {
     // A board without a reset on opening has no banner to tell.
     if (!reset_expected_) return Resync();
+    // A critical alarm is deaf while it is told.
+    if (++attempts_ < kResetAttempts) {
+      output_ += kSoftReset;
+      line_deadline_ = now_ + kResetPatience;
+      return;
+    }
     reset_expected_ = false;
     return Fail("the controller did not come back from a reset", false);
   }
@@ -227,7 +235,8 @@ void GrblProtocol::SoftReset(bool position_kept) {
   ForgetQueries();
   next_query_.reset();
   phase_ = Phase::kBanner;
-  line_deadline_ = now_ + kBannerPatience;
+  attempts_ = 0;
+  line_deadline_ = now_ + kResetPatience;
   if (!position_kept && unhomed_.empty()) unhomed_ = "it was reset in motion";
 }
 

@@ -126,7 +126,7 @@ class GrblProtocol : public StageProtocol {
   DeviceTime now_{};  // the sum of all Pass
 
   Phase phase_ = Phase::kOff;
-  int attempts_ = 0;           // of the resynchronisation
+  int attempts_ = 0;           // of the resynchronisation, or of a reset
   std::size_t bad_lines_ = 0;  // in a row
   Sent sent_ = Sent::kNothing;
   std::optional<DeviceTime> line_deadline_;  // of the line's answer, or of a banner

@@ -79,6 +79,15 @@ TEST(SyntheticConfig, ReadsEveryKey) {
   EXPECT_TRUE(config->masks);
 }
 
+TEST(SyntheticConfig, TheLensMayDarkenTheCorners) {
+  const auto config = ParseSyntheticConfig("{camera: {vignetting: 0.3}}", "c.yaml");
+  ASSERT_TRUE(config) << config.error().text;
+  EXPECT_EQ(config->camera.vignetting, 0.3);
+  const auto refused = ParseSyntheticConfig("{camera: {vignetting: 1.5}}", "c.yaml");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text.find("camera/vignetting: 1.5, allowed is"), std::string::npos);
+}
+
 TEST(SyntheticConfig, AnEmptyObjectIsTheDefaults) {
   const auto config = ParseSyntheticConfig("{}", "c.yaml");
   ASSERT_TRUE(config) << config.error().text;

@@ -300,6 +300,19 @@ TEST(GrblProtocol, AHardLimitNeedsAResetBeforeHoming) {
   EXPECT_EQ(talk.LastReport()->motion, TableMotion::kIdle);
 }
 
+// The firmware forgets a reset that comes while it tells a critical alarm, for half a second.
+TEST(GrblProtocol, AResetThatIsForgottenIsAskedForAgain) {
+  Talk talk = MovingTalk();
+  talk.Says("ALARM:1\r\n");
+  talk.Heard();
+  talk.protocol.Home();
+  EXPECT_EQ(talk.Heard(), "\x18");
+  talk.Passes(800);
+  EXPECT_EQ(talk.Heard(), "\x18");
+  talk.Says(kBannerText);
+  EXPECT_EQ(talk.Heard(), "$H\n");
+}
+
 TEST(GrblProtocol, AHomingThatFindsNoSwitchIsAFault) {
   Talk talk;
   talk.Identifies();
