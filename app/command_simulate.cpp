@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/format.h"
 #include "estimator/results/scene_json.h"
+#include "rig/sim/blob.h"
 
 namespace turnlight::app {
 namespace {
@@ -23,7 +24,7 @@ using SimulateClock = std::chrono::steady_clock;
 constexpr long kSimulatePollNs = 20'000'000;
 
 struct SimulateArguments {
-  std::string config, link, address, calibration, truth;
+  std::string config, link, address, calibration, target, truth;
   std::optional<double> seconds;
   bool quiet = false;
 };
@@ -69,17 +70,28 @@ Status Override(const SimulateArguments& arguments, SimulatorConfig& config) {
   return {};
 }
 
-// What was asked for as files, instead of running.
-Status WriteSimulated(const SimulateArguments& arguments, const SimulatorConfig& config) {
-  if (!arguments.truth.empty()) {
-    const auto world = rig::sim::BuildWorld(config.simulation);
-    if (!world) return Forward(world);
-    const std::string note = "the simulated rig of " + arguments.config;
-    if (Status status = WriteFileAtomic(
-            arguments.truth, estimator::results::TruthToJson(world->studio->scene, note));
-        !status)
+// The scene's files, of what is asked for.
+Status WriteScene(const SimulateArguments& arguments, const SimulatorConfig& config) {
+  if (arguments.target.empty() && arguments.truth.empty()) return {};
+  const auto world = rig::sim::BuildWorld(config.simulation);
+  if (!world) return Forward(world);
+  if (!arguments.target.empty()) {
+    const auto* mesh = std::get_if<calib::MeshShape>(&world->studio->target);
+    if (!mesh)
+      return InputError("--target: the target of " + arguments.config +
+                        " is no mesh; a config's target takes its shape and size as they are");
+    if (Status status = WriteFileAtomic(arguments.target, rig::sim::MeshToPly(*mesh)); !status)
       return status;
   }
+  if (arguments.truth.empty()) return {};
+  const std::string note = "the simulated rig of " + arguments.config;
+  return WriteFileAtomic(arguments.truth,
+                         estimator::results::TruthToJson(world->studio->scene, note));
+}
+
+// What was asked for as files, instead of running.
+Status WriteSimulated(const SimulateArguments& arguments, const SimulatorConfig& config) {
+  if (const Status status = WriteScene(arguments, config); !status) return status;
   if (arguments.calibration.empty()) return {};
   const auto calibration = CalibrationOf(config);
   if (!calibration) return Forward(calibration);
@@ -124,7 +136,7 @@ int Simulate(const SimulateArguments& arguments) {
   auto config = ReadSimulatorConfig(arguments.config);
   if (!config) return Fail(config.error());
   if (const Status status = Override(arguments, *config); !status) return Fail(status.error());
-  if (arguments.calibration.empty() && arguments.truth.empty())
+  if (arguments.calibration.empty() && arguments.target.empty() && arguments.truth.empty())
     return RunDevices(arguments, std::move(*config));
   const Status written = WriteSimulated(arguments, *config);
   return written ? kDone : Fail(written.error());
@@ -154,10 +166,15 @@ void AddSimulate(CLI::App& program, Action& action) {
       ->add_option("--calibration", arguments->calibration,
                    "Write what is true of the rig as rig-calibration.json, and end")
       ->type_name("FILE");
+  command
+      ->add_option("--target", arguments->target,
+                   "Write the target's mesh as PLY, for a rig's config, and end")
+      ->type_name("FILE");
   command->add_option("--truth", arguments->truth, "Write the scene as truth.json, and end")
       ->type_name("FILE");
   command->add_flag("--quiet", arguments->quiet, "No line for each fault that strikes");
-  command->callback([arguments, &action] { action = [arguments] { return Simulate(*arguments); }; });
+  command->callback(
+      [arguments, &action] { action = [arguments] { return Simulate(*arguments); }; });
 }
 
 }  // namespace turnlight::app

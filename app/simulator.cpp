@@ -79,8 +79,10 @@ Result<rig::DeviceIdentity> IdentifyTable(stage::StageConfig config) {
   const auto driver = std::find_if(drivers.begin(), drivers.end(),
                                    [&](const auto& known) { return known.name == name; });
   if (driver == drivers.end() || driver->simulated())
-    return DeviceError("no driver " + name + " in this program, so the table's identity is unknown");
-  const auto controller = stage::StageSimulator::Start(config, nullptr, gige::GigeCamera::Clock::now());
+    return DeviceError("no driver " + name +
+                       " in this program, so the table's identity is unknown");
+  const auto controller =
+      stage::StageSimulator::Start(config, nullptr, gige::GigeCamera::Clock::now());
   if (!controller) return Forward(controller);
   keys["port"] = config.link.string();
   const auto document = ParseJson(keys.dump(), "the driver's keys");

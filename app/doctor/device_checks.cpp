@@ -21,12 +21,6 @@ std::string Joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Opened; what the device notes meanwhile is a warning.
-Check Opened(const rig::DeviceIdentity& identity, const std::vector<std::string>& notes) {
-  const std::string who = rig::Describe(identity);
-  return notes.empty() ? Fine(who) : Warning(who, Joined(notes));
-}
-
 }  // namespace
 
 Check CheckRunConfig(Patient& patient) {
@@ -51,7 +45,9 @@ Check CheckController(Patient& patient) {
     return Failed(identity.error().text,
                   "check its cable, power, port and driver; turnlight devices lists the ports");
   patient.table = *identity;
-  return Opened(*identity, notes);
+  // Settings that a controller is better without.
+  const std::string who = rig::Describe(*identity);
+  return notes.empty() ? Fine(who) : Warning(who, Joined(notes));
 }
 
 Check CheckPosition(Patient& patient) {
@@ -77,7 +73,8 @@ Check CheckCamera(Patient& patient) {
     return Failed(identity.error().text,
                   "check its cable, power and id; turnlight devices lists the cameras");
   patient.camera = *identity;
-  return Opened(*identity, notes);
+  // What an optional feature's absence means is in the note; a missing one that matters is refused.
+  return Fine(rig::Describe(*identity) + (notes.empty() ? "" : "; " + Joined(notes)));
 }
 
 Check CheckExposure(Patient& patient) {

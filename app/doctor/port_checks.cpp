@@ -65,10 +65,15 @@ Check JudgePortAccess(const PortAccess& access) {
     return Failed(access.path + " is not there",
                   "switch the controller on and plug it in; turnlight devices lists the ports");
   if (access.allowed) return Fine(access.path + ", yours to read and write");
+  std::error_code error;
+  const std::filesystem::path device = std::filesystem::weakly_canonical(access.path, error);
+  if (device.string().starts_with("/dev/pts/"))
+    return Failed(access.path + ": it is another user's pseudo-terminal",
+                  "run the simulated controller as " + access.user);
   if (!access.group_may || access.group == "root")
     return Failed(access.path + ": " + access.user + " may not open it, nor may a group",
                   "add to /etc/udev/rules.d/60-turnlight.rules: SUBSYSTEM==\"tty\", KERNEL==\"" +
-                      std::filesystem::path(access.path).filename().string() +
+                      device.filename().string() +
                       "\", GROUP=\"dialout\", MODE=\"0660\"; then sudo udevadm control --reload "
                       "&& sudo udevadm trigger, and sudo usermod -aG dialout " +
                       access.user + ", and log in anew");

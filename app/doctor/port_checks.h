@@ -21,7 +21,7 @@ Check CheckPortName(Patient& patient);
 struct PortAccess {
   std::string path;
   bool there = false, allowed = false;
-  bool group_may = false;   // read and write it
+  bool group_may = false;             // read and write it
   std::string group = {}, user = {};  // of the port; of this program
 };
 Check JudgePortAccess(const PortAccess& access);

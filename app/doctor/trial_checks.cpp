@@ -189,7 +189,7 @@ Check CheckLatency(Patient& patient) {
   std::vector<double> seconds = patient.trial->seconds;
   const double most = *std::max_element(seconds.begin(), seconds.end());
   const double allowed = patient.config.plan.frame_timeout_s;
-  const std::string figure = Format("median %.3g ms, longest %.3g ms, exposure included",
+  const std::string figure = Format("median %.0f ms, longest %.0f ms, exposure included",
                                     1e3 * Median(seconds), 1e3 * most);
   if (most < 0.5 * allowed) return Fine(figure);
   return Warning(figure + Format("; a capture waits %.3g s", allowed),

@@ -149,11 +149,11 @@ FrameStatistics MeasureFrame(const cv::Mat& image, const calib::Radiometry& radi
 
 std::string ExposureAdvice(const FrameStatistics& statistics) {
   if (statistics.saturated_share > kGoodClippedShare)
-    return Shortly(100.0 * statistics.saturated_share) + " % clipped: " +
-           ExposureWords(statistics.exposure_factor);
+    return Shortly(100.0 * statistics.saturated_share) +
+           " % clipped: " + ExposureWords(statistics.exposure_factor);
   if (statistics.exposure_factor < kWorthIncreasing) return "";
-  return "mean level " + Shortly(100.0 * statistics.mean_level) + " % of white: " +
-         ExposureWords(statistics.exposure_factor);
+  return "mean level " + Shortly(100.0 * statistics.mean_level) +
+         " % of white: " + ExposureWords(statistics.exposure_factor);
 }
 
 FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,

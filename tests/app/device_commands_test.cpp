@@ -1,7 +1,7 @@
 // Proves, with the real program, mock devices and a small controller on a pseudo-terminal: home,
-// jog, snap and doctor say what will move before it moves, do it, and end with the code that is due;
-// Ctrl-C and SIGTERM halt the motor; JSON stands alone on standard output. Does not prove: real
-// hardware.
+// jog, snap and doctor say what will move before it moves, do it, and end with the code that is
+// due; Ctrl-C and SIGTERM halt the motor; JSON stands alone on standard output. Does not prove:
+// real hardware.
 #include "app/device_commands.h"
 
 #include <gmock/gmock.h>
@@ -81,10 +81,11 @@ TEST_F(DeviceCommands, WhatIsRefused) {
   EXPECT_THAT(refusal({"home", folder_ / "none.yaml"}, 2), HasSubstr("none.yaml"));
   EXPECT_THAT(refusal({"snap", rig_, "picture.jpg"}, 2), HasSubstr("one word too many"));
   EXPECT_THAT(refusal({"jog", rig_, "5", "--no-homing"}, 2), HasSubstr("did you mean --no-home"));
-  const std::string limited = Write(
-      "limited.yaml", std::string("capture: {count: 2, limits_deg: [-20, 40]}\n") + kMockRig);
+  const std::string limited =
+      Write("limited.yaml", std::string("capture: {count: 2, limits_deg: [-20, 40]}\n") + kMockRig);
   EXPECT_THAT(refusal({"jog", limited, "50"}, 2), HasSubstr("capture/limits_deg: -20 to 40"));
-  const std::string absent = Write("absent.yaml", "rig: {table: {driver: grbl, port: /dev/none}}\n");
+  const std::string absent =
+      Write("absent.yaml", "rig: {table: {driver: grbl, port: /dev/none}}\n");
   EXPECT_THAT(refusal({"home", absent}, 4), HasSubstr("turnlight devices lists"));
 }
 
@@ -139,8 +140,8 @@ TEST_F(DeviceCommands, SnapWritesAPictureAndItsLevels) {
   EXPECT_THAT(dark.out, AllOf(HasSubstr("raise the exposure"), HasSubstr("all black")));
 }
 
-// A mosaic stays one; what the camera measures is told; a calibration that is not there is no reason
-// to take no picture.
+// A mosaic stays one; what the camera measures is told; a calibration that is not there is no
+// reason to take no picture.
 TEST_F(DeviceCommands, SnapOfARawCamera) {
   const FakeDevices fakes;
   const std::string config =
@@ -148,8 +149,7 @@ TEST_F(DeviceCommands, SnapOfARawCamera) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   fakes.camera->notes = {"it has no gamma"};
-  EXPECT_EQ(RunSnap({.config = config, .out = folder_ / "p.png", .gain_db = 3.0},
-                    fakes.WithThem()),
+  EXPECT_EQ(RunSnap({.config = config, .out = folder_ / "p.png", .gain_db = 3.0}, fakes.WithThem()),
             0);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("3 dB read back"), HasSubstr("DeviceTemperature 41.5"),
@@ -181,8 +181,7 @@ TEST_F(DeviceCommands, DoctorForPeopleAndPrograms) {
 TEST_F(DeviceCommands, DoctorSeesWhatIsWrong) {
   std::string wrong = kMockRig;
   wrong += "  table: {scale: 1.01}\n";  // degrees that are none
-  const Outcome lost =
-      RunProgram({"doctor", Write("wrong.yaml", wrong), "--out", folder_.path()});
+  const Outcome lost = RunProgram({"doctor", Write("wrong.yaml", wrong), "--out", folder_.path()});
   EXPECT_EQ(lost.exit_code, 4);
   EXPECT_THAT(lost.out, AllOf(HasSubstr("failed   once around"), HasSubstr("lost its place")));
   const Outcome refused = RunProgram({"doctor", Write("bad.yaml", "rig: {table: {}}\n")});

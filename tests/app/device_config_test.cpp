@@ -56,9 +56,9 @@ TEST_F(DeviceConfigTest, OneSectionIsEnough) {
 }
 
 TEST_F(DeviceConfigTest, WhatElseIsThereIsUsedAndStrict) {
-  const DeviceConfig config =
-      Read("name: x\ngraph: {nodes: {}}\ncapture: {exposures_us: [123], gain_db: 6}\n"
-           "rig: {table: {driver: fake}, calibration: none.json, target: {shape: cube}}\n");
+  const DeviceConfig config = Read(
+      "name: x\ngraph: {nodes: {}}\ncapture: {exposures_us: [123], gain_db: 6}\n"
+      "rig: {table: {driver: fake}, calibration: none.json, target: {shape: cube}}\n");
   EXPECT_TRUE(config.has_capture && config.has_graph);
   EXPECT_EQ(config.plan.exposures_us.front(), 123.0);
   EXPECT_FALSE(ReadCalibrationOf(config));  // not there, and only now asked for
@@ -76,7 +76,8 @@ TEST_F(DeviceConfigTest, SimulatedDevicesNeedTheirWorld) {
   const std::string world = "simulation: {target: {shape: sphere, radius: 50}}\n";
   EXPECT_THAT(NotMade("rig: {camera: {driver: mock}}\n" + world, {.camera = true}),
               HasSubstr("it photographs at the true angle of that table"));
-  const DeviceConfig config = Read("rig: {table: {driver: mock}, camera: {driver: mock}}\n" + world);
+  const DeviceConfig config =
+      Read("rig: {table: {driver: mock}, camera: {driver: mock}}\n" + world);
   const auto devices = MakeDevices(config, {.camera = true}, BuiltInDrivers());
   ASSERT_TRUE(devices) << devices.error().text;
   EXPECT_EQ(LevelsOf(*devices, std::nullopt).white, 65535.0);

@@ -17,9 +17,9 @@ using testing::HasSubstr;
 DeviceList SomeDevices() {
   DeviceList list;
   list.table_drivers = {"grbl", "zaber"};
-  list.ports.push_back({{"/dev/ttyUSB0", "/dev/serial/by-id/usb-FTDI_A1", "FT232R", "A1",
-                         "0403:6001"},
-                        "picocom (process 7)"});
+  list.ports.push_back(
+      {{"/dev/ttyUSB0", "/dev/serial/by-id/usb-FTDI_A1", "FT232R", "A1", "0403:6001"},
+       "picocom (process 7)"});
   list.ports.push_back({{"/dev/ttyUSB1", "", "CH340", "", "1a86:7523"}, ""});
   list.cameras.push_back({"Maker-Model-\"7\"", "Maker", "Model", "7", "10.0.0.2", "GigEVision"});
   return list;
@@ -27,11 +27,11 @@ DeviceList SomeDevices() {
 
 TEST(DeviceList, LinesForAConfig) {
   const std::string text = DeviceListText(SomeDevices());
-  EXPECT_THAT(text, AllOf(HasSubstr("table: {driver: grbl, port: /dev/serial/by-id/usb-FTDI_A1}"),
-                          HasSubstr("held by picocom (process 7)"), HasSubstr("A1"),
-                          HasSubstr("table: {driver: grbl, port: /dev/ttyUSB1}"),
-                          HasSubstr("grbl, zaber"),
-                          HasSubstr("id: \"Maker-Model-\\\"7\\\"\""), HasSubstr("at 10.0.0.2")));
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("table: {driver: grbl, port: /dev/serial/by-id/usb-FTDI_A1}"),
+                  HasSubstr("held by picocom (process 7)"), HasSubstr("A1"),
+                  HasSubstr("table: {driver: grbl, port: /dev/ttyUSB1}"), HasSubstr("grbl, zaber"),
+                  HasSubstr("id: \"Maker-Model-\\\"7\\\"\""), HasSubstr("at 10.0.0.2")));
   rig::serial::PortInfo by_serial{"/dev/ttyUSB0", "", "", "A1", "0403:6001"};
   EXPECT_EQ(ConfigLine(by_serial, "grbl"), "table: {driver: grbl, usb_serial: \"A1\"}");
 }

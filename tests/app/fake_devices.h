@@ -117,15 +117,14 @@ struct FakeDevices {
                                                     rig::TableDevice{table, {}, true})
                                               : Forward(status);
                               })});
-    drivers.cameras.push_back({"fake", RealDriver<rig::CameraDevice>([*this](StrictObject keys) {
-                                 const Status status = keys.Finish();
-                                 rig::CameraDevice device;
-                                 device.camera = camera;
-                                 device.format = {camera->image.size(), camera->image.channels(),
-                                                  camera->image.depth()};
-                                 return status ? Result<rig::CameraDevice>(std::move(device))
-                                               : Forward(status);
-                               })});
+    drivers.cameras.push_back(
+        {"fake", RealDriver<rig::CameraDevice>([*this](StrictObject keys) {
+           const Status status = keys.Finish();
+           rig::CameraDevice device;
+           device.camera = camera;
+           device.format = {camera->image.size(), camera->image.channels(), camera->image.depth()};
+           return status ? Result<rig::CameraDevice>(std::move(device)) : Forward(status);
+         })});
     return drivers;
   }
 };

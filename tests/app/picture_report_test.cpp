@@ -42,13 +42,15 @@ TEST(PictureReport, LevelsAndAdvice) {
   const cv::Mat dark(60, 80, CV_16U, cv::Scalar(100 + 160));
   EXPECT_THAT(LevelsText(dark, TwelveBits(), std::nullopt),
               AllOf(HasSubstr("black 100, white 4095"), HasSubstr("grey"), HasSubstr("260")));
-  EXPECT_THAT(AdviceText(dark, TwelveBits(), 800.0),
-              AllOf(HasSubstr("mean level 4 % of white: raise the exposure 20 times; in the config: "
-                              "capture: {exposures_us: [16000]}"),
-                    HasSubstr("a capture would keep this picture")));
+  EXPECT_THAT(
+      AdviceText(dark, TwelveBits(), 800.0),
+      AllOf(HasSubstr("mean level 4 % of white: raise the exposure 20 times; in the config: "
+                      "capture: {exposures_us: [16000]}"),
+            HasSubstr("a capture would keep this picture")));
   const cv::Mat white(60, 80, CV_16U, cv::Scalar(4095));
-  EXPECT_THAT(AdviceText(white, TwelveBits(), 8000.0),
-              AllOf(HasSubstr("[1000]"), HasSubstr("a capture would refuse this picture: saturated")));
+  EXPECT_THAT(
+      AdviceText(white, TwelveBits(), 8000.0),
+      AllOf(HasSubstr("[1000]"), HasSubstr("a capture would refuse this picture: saturated")));
   const cv::Mat good(60, 80, CV_16U, cv::Scalar(3300));
   EXPECT_THAT(AdviceText(good, TwelveBits(), 8000.0), HasSubstr("the exposure uses the range"));
 }

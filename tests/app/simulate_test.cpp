@@ -103,17 +103,15 @@ TEST_F(Simulate, ASecondOneIsRefusedWhereTheFirstIs) {
 
 TEST_F(Simulate, ADeviceAloneIsEnough) {
   const Outcome table = RunProgram({"simulate", Config(Table()), "--for", "0.1"});
-  EXPECT_EQ(table.out,
-            "ready: table grbl at " + Link() + "\nend: 0 moves, 0 faults struck\n");
+  EXPECT_EQ(table.out, "ready: table grbl at " + Link() + "\nend: 0 moves, 0 faults struck\n");
   const Outcome camera = RunProgram({"simulate", Config(Camera()), "--for", "0.1"});
-  EXPECT_EQ(camera.out, "ready: camera T-1 at " + Address() +
-                            "\nend: 0 triggers, 0 frames, 0 faults struck\n");
+  EXPECT_EQ(camera.out,
+            "ready: camera T-1 at " + Address() + "\nend: 0 triggers, 0 frames, 0 faults struck\n");
 }
 
 TEST_F(Simulate, FaultsAreToldAsTheyStrike) {
   const std::string config = Config(
-      Table(),
-      "faults: {list: [{at: {time_s: 0.05}, device: table, fault: unplugged, ms: 50}]}\n");
+      Table(), "faults: {list: [{at: {time_s: 0.05}, device: table, fault: unplugged, ms: 50}]}\n");
   const Outcome told = RunProgram({"simulate", config, "--for", "0.5"});
   EXPECT_THAT(told.err, HasSubstr("fault: unplugged of the table at 0 degrees, after 0."));
   EXPECT_THAT(told.out, HasSubstr("1 faults struck"));
@@ -156,9 +154,8 @@ TEST_F(Simulate, OptionsThatFitNoDeviceAreRefused) {
 }
 
 TEST_F(Simulate, WritesWhatIsTrueOfItsRig) {
-  const Outcome outcome =
-      RunProgram({"simulate", Config(Table() + Camera()), "--calibration", folder_ / "c.json",
-                  "--truth", folder_ / "truth.json"});
+  const Outcome outcome = RunProgram({"simulate", Config(Table() + Camera()), "--calibration",
+                                      folder_ / "c.json", "--truth", folder_ / "truth.json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   const auto calibration = rig::ReadRigCalibration(fs::path(folder_ / "c.json"));

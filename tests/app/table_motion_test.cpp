@@ -62,8 +62,8 @@ TEST_F(TableMotionTest, ArrivalIsProven) {
 
 TEST_F(TableMotionTest, WhatDoesNotArriveIsHalted) {
   table_.never_arrives = true;
-  EXPECT_THAT(TurnFault(kShort),
-              AllOf(HasSubstr("the table still moves after 0.0"), HasSubstr("the motor was stopped")));
+  EXPECT_THAT(TurnFault(kShort), AllOf(HasSubstr("the table still moves after 0.0"),
+                                       HasSubstr("the motor was stopped")));
   EXPECT_EQ(table_.halted, 1);
   table_.halts = false;
   EXPECT_THAT(TurnFault(kShort), HasSubstr("the motor could not be stopped: deaf"));

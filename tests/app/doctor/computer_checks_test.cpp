@@ -1,6 +1,6 @@
-// Proves: a disk that is too slow or too full for the plan is told, against what the plan needs; the
-// trial leaves nothing behind; a time of day that is not synchronised is a warning. Does not prove:
-// how fast this disk is.
+// Proves: a disk that is too slow or too full for the plan is told, against what the plan needs;
+// the trial leaves nothing behind; a time of day that is not synchronised is a warning. Does not
+// prove: how fast this disk is.
 #include "app/doctor/computer_checks.h"
 
 #include <gmock/gmock.h>

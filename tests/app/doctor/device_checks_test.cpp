@@ -67,8 +67,12 @@ TEST(DeviceChecks, Calibrations) {
   rig::RigCalibration calibration(studio->camera);
   calibration.radiometry = studio->radiometry;
   calibration.radiometry.white = 255.0;
-  calibration.devices = {{"turnlight", "fake camera", "C1"}, {"turnlight", "fake table", "T1"},
-                         {80, 60}, {0, 0}, {1, 1}, ""};
+  calibration.devices = {{"turnlight", "fake camera", "C1"},
+                         {"turnlight", "fake table", "T1"},
+                         {80, 60},
+                         {0, 0},
+                         {1, 1},
+                         ""};
   const auto write = [&] {
     ASSERT_TRUE(rig::WriteRigCalibration(calibration, rig.folder / "rig-calibration.json"));
   };

@@ -33,9 +33,8 @@ TEST(Doctor, EndsWhenAskedTo) {
   PatientOf rig(kFakeRig);
   StopFlag stop{false};
   rig.patient.stop = &stop;
-  const auto checks = Examine(rig.patient, [&stop](const Check& check) {
-    stop = check.name == "controller";
-  });
+  const auto checks =
+      Examine(rig.patient, [&stop](const Check& check) { stop = check.name == "controller"; });
   ASSERT_FALSE(checks);
   EXPECT_EQ(checks.error().kind, ErrorKind::kInterrupted);
   EXPECT_TRUE(rig.fakes.table->moves.empty());

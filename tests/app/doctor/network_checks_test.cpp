@@ -66,7 +66,8 @@ TEST(NetworkChecks, UsbCameras) {
 
 TEST(NetworkChecks, OnlyOfCamerasOfAravis) {
   PatientOf fake(kFakeRig);
-  for (const auto check : {CheckCameraSeen, CheckUsbAccess, CheckUsbMemory, CheckSocketBuffer, CheckMtu})
+  for (const auto check :
+       {CheckCameraSeen, CheckUsbAccess, CheckUsbMemory, CheckSocketBuffer, CheckMtu})
     EXPECT_EQ(check(fake.patient).verdict, Verdict::kSkipped);
   PatientOf gige(
       "rig: {camera: {driver: aravis, id: 127.0.0.9, pixel_format: Mono8, size: [8, 8], "

@@ -20,9 +20,9 @@ struct PatientOf {
       : drivers(fakes.WithThem()), patient(Read(folder / "c.yaml", text), drivers) {
     patient.options.out = folder.path();
     patient.say = [this](const std::string& line) { said += line + "\n"; };
-    auto made = MakeDevices(patient.config,
-                            {patient.config.table.has_value(), patient.config.camera.has_value()},
-                            drivers);
+    auto made =
+        MakeDevices(patient.config,
+                    {patient.config.table.has_value(), patient.config.camera.has_value()}, drivers);
     if (made) patient.devices = std::move(*made);
   }
   static DeviceConfig Read(const std::string& path, const std::string& text) {

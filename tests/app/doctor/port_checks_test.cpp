@@ -23,6 +23,8 @@ TEST(PortChecks, Access) {
   const auto nobodys = JudgePortAccess({"/dev/ttyUSB0", true, false, false, "root", "ada"});
   EXPECT_THAT(nobodys.advice, AllOf(HasSubstr("SUBSYSTEM==\"tty\", KERNEL==\"ttyUSB0\""),
                                     HasSubstr("udevadm"), HasSubstr("usermod -aG dialout ada")));
+  const auto simulated = JudgePortAccess({"/dev/pts/7", true, false, false, "root", "ada"});
+  EXPECT_THAT(simulated.advice, HasSubstr("run the simulated controller as ada"));
   EXPECT_EQ(JudgePortAccess({"/dev/ttyUSB0", true, true, true, "dialout", "ada"}).verdict,
             Verdict::kOk);
 }

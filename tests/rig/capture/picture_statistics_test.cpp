@@ -1,5 +1,5 @@
-// Proves: levels of each channel in closed form, of colour, grey and mosaics; what is clipped, black
-// or no number is counted once. Does not prove: what to do about it; frame_check_test does.
+// Proves: levels of each channel in closed form, of colour, grey and mosaics; what is clipped,
+// black or no number is counted once. Does not prove: what to do about it; frame_check_test does.
 #include "rig/capture/picture_statistics.h"
 
 #include <gtest/gtest.h>
