@@ -95,6 +95,8 @@ Status KeyframesNode::OnMoved(const graph::ActionOutcome<Move>& outcome) {
   if (job_.check_arrival && !outcome.result().arrived)
     return Reject(ErrorKind::kDevice, "no arrival: " + outcome.result().text);
   Enter(Phase::kSettling);
+  readings_from_ = clock_.Now();
+  rest_deg_.reset();
   timer_.After(job_.settle ? graph::FromMs(job_.plan.settle_ms) : graph::Duration(0));
   return {};
 }
@@ -109,14 +111,20 @@ Status KeyframesNode::Await(Phase phase, graph::Time from) {
   Enter(phase);
   readings_from_ = from;
   readings_deg_.clear();
+  if (phase == Phase::kBefore && rest_deg_) readings_deg_.push_back(*rest_deg_);
   timer_.After(state_timeout_);
   return {};
 }
 
 Status KeyframesNode::OnState(const graph::Message<rig::TableState>& state) {
-  if (phase_ != Phase::kBefore && phase_ != Phase::kAfter) return {};
+  if (phase_ != Phase::kSettling && phase_ != Phase::kBefore && phase_ != Phase::kAfter) return {};
   if (state->time < readings_from_) return {};
   readings_from_ = state->time + kNewReading;  // the same one may be told again
+  if (phase_ == Phase::kSettling) {
+    rest_deg_.reset();
+    if (state->motion == rig::TableMotion::kIdle) rest_deg_ = state->angle_deg;
+    return {};
+  }
   if (job_.check_arrival) {
     if (const auto why = StandsAt(*state, Frame().angle_deg, job_.plan.tolerance_deg))
       return Reject(ErrorKind::kIncomplete, *why);

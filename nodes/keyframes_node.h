@@ -50,7 +50,8 @@ class KeyframesNode : public graph::Node {
   Status WindDown() override;
 
  private:
-  // kBefore and kAfter wait for two readings of the table.
+  // kBefore and kAfter wait until the table was read twice; the first reading before an exposure
+  // may be the last of the rest.
   enum class Phase { kIdle, kMoving, kSettling, kBefore, kExposing, kAfter, kResting };
 
   Status BeginKeyframe();
@@ -90,6 +91,7 @@ class KeyframesNode : public graph::Node {
   graph::Time entered_{};                     // the phase
   Pace pace_;                                 // of this keyframe
   std::optional<graph::Time> failing_since_;  // of a device, in this keyframe
+  std::optional<double> rest_deg_;            // the last reading of the rest, if it stood
   graph::Time readings_from_{};               // older readings of the table say nothing
   std::vector<double> readings_deg_;          // in this wait
   Bracket bracket_;                           // of the attempt that runs

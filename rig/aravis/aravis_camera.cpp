@@ -20,17 +20,6 @@ AravisCamera::~AravisCamera() {
   if (worker_) worker_->End(kEnd);
 }
 
-void AravisCamera::Hear(DeviceTime now) {
-  const DeviceTime offset =
-      now - std::chrono::duration_cast<DeviceTime>(Steady::now().time_since_epoch());
-  offset_ = std::max(offset_.value_or(offset), offset);
-}
-
-DeviceTime AravisCamera::ToCapture(Steady::time_point time) const {
-  return std::chrono::duration_cast<DeviceTime>(time.time_since_epoch()) +
-         offset_.value_or(DeviceTime(0));
-}
-
 tl::unexpected<Error> AravisCamera::Fault(const std::string& text) const {
   return DeviceError("camera \"" + config_.id + "\": " + text);
 }
@@ -50,7 +39,7 @@ auto AravisCamera::Do(F job) -> std::invoke_result_t<F, CameraWorker&> {
 }
 
 Result<DeviceIdentity> AravisCamera::Open(DeviceTime now) {
-  Hear(now);
+  clock_.Hear(now);
   open_ = false;
   if (!worker_) worker_ = CameraWorker::Begin(config_);
   const Steady::time_point until = Steady::now() + (opened_before_ ? kPatience : kFirstOpen);
@@ -72,14 +61,14 @@ Result<DeviceIdentity> AravisCamera::Open(DeviceTime now) {
 }
 
 Result<CameraSettings> AravisCamera::Set(const CameraSettings& settings, DeviceTime now) {
-  Hear(now);
+  clock_.Hear(now);
   return Do([settings](CameraWorker& worker) -> Result<CameraSettings> {
     return worker.session()->Set(settings);
   });
 }
 
 Result<int> AravisCamera::Drain(DeviceTime now) {
-  Hear(now);
+  clock_.Hear(now);
   return Do([](CameraWorker& worker) -> Result<int> {
     worker.ForgetShot();
     return worker.session()->Drain();
@@ -87,7 +76,7 @@ Result<int> AravisCamera::Drain(DeviceTime now) {
 }
 
 Result<std::uint64_t> AravisCamera::Trigger(DeviceTime now) {
-  Hear(now);
+  clock_.Hear(now);
   const Status sent = Do([](CameraWorker& worker) -> Status {
     worker.ForgetShot();
     return worker.session()->Trigger();
@@ -97,7 +86,7 @@ Result<std::uint64_t> AravisCamera::Trigger(DeviceTime now) {
 }
 
 Result<std::optional<RawFrame>> AravisCamera::Poll(DeviceTime now) {
-  Hear(now);
+  clock_.Hear(now);
   if (!open_) return Fault("not open");
   auto shot = worker_->TakeShot();
   if (!shot) {
@@ -106,9 +95,13 @@ Result<std::optional<RawFrame>> AravisCamera::Poll(DeviceTime now) {
   }
   if (!*shot) return Fault(shot->error().text);
   ShotFrame& frame = **shot;
-  return RawFrame{
-      std::move(frame.image),    ids_.Next(frame.id), triggers_, ToCapture(frame.span.begin),
-      ToCapture(frame.span.end), frame.actual,        true};
+  return RawFrame{std::move(frame.image),
+                  ids_.Next(frame.id),
+                  triggers_,
+                  clock_.ToCaller(frame.span.begin),
+                  clock_.ToCaller(frame.span.end),
+                  frame.actual,
+                  true};
 }
 
 std::vector<std::string> AravisCamera::TakeNotes() {

@@ -15,6 +15,7 @@
 #include "rig/aravis/aravis_config.h"
 #include "rig/aravis/camera_report.h"
 #include "rig/aravis/camera_worker.h"
+#include "rig/caller_clock.h"
 #include "rig/device.h"
 #include "rig/driver.h"
 
@@ -42,8 +43,6 @@ class AravisCamera : public Camera {
  private:
   template <typename F>
   auto Do(F job) -> std::invoke_result_t<F, CameraWorker&>;
-  void Hear(DeviceTime now);
-  DeviceTime ToCapture(Steady::time_point time) const;
   tl::unexpected<Error> Silent();
 
   tl::unexpected<Error> Fault(const std::string& text) const;
@@ -55,9 +54,7 @@ class AravisCamera : public Camera {
   bool open_ = false;
   std::uint64_t triggers_ = 0;
   IdCounter ids_;
-  // The capture's time of the steady clock's zero. `now` is a little older than the call, so the
-  // largest of all that were heard is the truest.
-  std::optional<DeviceTime> offset_;
+  CallerClock clock_;
 };
 
 // The keys of docs/drivers.md. Nothing is opened.

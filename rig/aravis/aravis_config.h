@@ -26,7 +26,9 @@ struct AravisConfig {
   // Of GigE Vision.
   std::optional<int> packet_size;  // bytes; negotiated if not given, 9000 on loopback
   bool packet_resend = true;       // asks again for lost packets
-  bool packet_socket = true;       // AF_PACKET where the system lets us (root)
+  // AF_PACKET where the system lets us (root). Takes less of the processor; what other cameras send
+  // on the same interface may come in while it is set up.
+  bool packet_socket = false;
   int socket_buffer_kb = 4000;
 };
 

@@ -91,11 +91,17 @@ Status MakeOurs(Connection& connection, CameraLock& lock, const std::optional<Kn
   if (known && known->serial != identity.serial)
     return DeviceError("at " + known->name + " there is now the camera with serial " +
                        identity.serial + ", it was " + known->serial);
-  if (Status taken = lock.Take(identity.vendor, identity.serial); !taken) return taken;
   ArvDevice* device = arv_camera_get_device(connection.camera.get());
   connection.network = ARV_IS_GV_DEVICE(device);
+  std::string serial = identity.serial;
+  if (connection.network) {
+    const std::string address = AddressOf(ARV_GV_DEVICE(device));
+    connection.loopback = address.starts_with("127.");
+    // Simulated cameras may all have the same number.
+    if (connection.loopback) serial += "_" + address;
+  }
+  if (Status taken = lock.Take(identity.vendor, serial); !taken) return taken;
   if (!connection.network) return {};
-  connection.loopback = AddressOf(ARV_GV_DEVICE(device)).starts_with("127.");
   if (arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return {};
   Features features(device);
   return DeviceError("camera " + identity.serial + ": " + DescribeHolder(features));

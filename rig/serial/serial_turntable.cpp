@@ -139,9 +139,7 @@ Status SerialTurntable::Worker::Halt() {
 
 Result<TableState> SerialTurntable::Worker::State(DeviceTime now) {
   const std::lock_guard lock(mutex_);
-  const DeviceTime offset = now - Clock::now().time_since_epoch();
-  const bool other_clock = clock_offset_ && offset < *clock_offset_ - std::chrono::seconds(1);
-  if (!clock_offset_ || other_clock || offset > *clock_offset_) clock_offset_ = offset;
+  clock_.Hear(now);
   if (state_ != Link::kReady) return DeviceError(options_.driver + ": " + error_);
   TableState state;
   state.time = now;
@@ -151,7 +149,7 @@ Result<TableState> SerialTurntable::Worker::State(DeviceTime now) {
   if (report_of_ != wished_ || report_->motion == TableMotion::kMoving) return state;
   state.motion = report_->motion;
   state.fault = report_->fault;
-  state.time = report_time_.time_since_epoch() + *clock_offset_;
+  state.time = clock_.ToCaller(report_time_);
   if (!must_home_.empty() && state.motion == TableMotion::kIdle) {
     state.motion = TableMotion::kUnhomed;
     state.fault = must_home_;

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "rig/caller_clock.h"
 #include "rig/serial/serial_turntable.h"
 
 namespace turnlight::rig::serial {
@@ -92,8 +93,7 @@ class SerialTurntable::Worker {
   std::vector<std::string> notes_;
   std::string port_in_use_;
   bool halting_ = false;
-  // The callers' clock less this one's. A call is always a little late, so the largest is the best.
-  std::optional<DeviceTime> clock_offset_;
+  CallerClock clock_;
   bool quit_ = false;
   std::thread thread_;  // the last, so that all else is there
 };

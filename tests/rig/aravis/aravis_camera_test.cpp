@@ -97,17 +97,17 @@ INSTANTIATE_TEST_SUITE_P(Formats, EachFormat,
 TEST(AravisCamera, AHundredShotsWhileAHundredthOfThePacketsIsLost) {
   FakeCamera fake(Xml(Description()), Ramp);
   AravisConfig config = Config("Mono8");
-  config.size = {640, 480};  // 35 packets
+  // 8 packets: one picture of 13 breaks, and of 400,000 shots one fails five times.
+  config.size = {256, 192};
   AravisCamera camera(config);
   ASSERT_TRUE(camera.Open(Now()));
   fake.LosePackets(0.01);
   for (int i = 0; i < 100; ++i) {
     const auto frame = Shoot(camera);
     ASSERT_TRUE(frame) << i << ": " << frame.error().text;
-    for (int y = 0; y < 480; y += 13)
-      ASSERT_EQ(frame->image.at<std::uint8_t>(y, 5), (y * 640 + 5) % 256) << i;
+    for (int y = 0; y < 192; y += 13) ASSERT_EQ(frame->image.at<std::uint8_t>(y, 5), 5) << i;
   }
-  EXPECT_GT(Reading(camera, "PicturesBroken"), 5.0);
+  EXPECT_GT(Reading(camera, "PicturesBroken"), 0.0);
   EXPECT_EQ(Reading(camera, "TriggersAgain"),
             Reading(camera, "PicturesBroken") + Reading(camera, "TriggersUnanswered"));
 }

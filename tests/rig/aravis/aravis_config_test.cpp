@@ -42,7 +42,7 @@ TEST(AravisConfig, WhatAPlanMustKnow) {
 TEST(AravisConfig, EveryKey) {
   const auto document = ParseYaml(
       "{id: a, pixel_format: Mono16, size: [64, 48], black_level: 12.5, gain_raw_step_db: 0.1,"
-      " packet_size: 1500, packet_resend: false, packet_socket: false, socket_buffer_kb: 8000}",
+      " packet_size: 1500, packet_resend: false, packet_socket: true, socket_buffer_kb: 8000}",
       "r.yaml");
   const auto config = ReadAravisConfig(StrictObject(*document));
   ASSERT_TRUE(config) << config.error().text;
@@ -50,7 +50,7 @@ TEST(AravisConfig, EveryKey) {
   EXPECT_EQ(config->gain_raw_step_db, 0.1);
   EXPECT_EQ(config->packet_size, 1500);
   EXPECT_FALSE(config->packet_resend);
-  EXPECT_FALSE(config->packet_socket);
+  EXPECT_TRUE(config->packet_socket);
   EXPECT_EQ(config->socket_buffer_kb, 8000);
 }
 

@@ -121,7 +121,11 @@ CameraProcess::CameraProcess(const std::string& serial) {
 
 CameraProcess::~CameraProcess() { Kill(); }
 
-void CameraProcess::Freeze() { ::kill(pid_, SIGSTOP); }
+void CameraProcess::Freeze() {
+  int status = 0;
+  ::kill(pid_, SIGSTOP);
+  ::waitpid(pid_, &status, WUNTRACED);  // until it stands
+}
 
 void CameraProcess::Thaw() { ::kill(pid_, SIGCONT); }
 
