@@ -24,6 +24,11 @@ void AddSynthesize(CLI::App& program, Action& action);
 void AddVerify(CLI::App& program, Action& action);
 void AddCompare(CLI::App& program, Action& action);
 void AddConfig(CLI::App& program, Action& action);
+void AddDevices(CLI::App& program, Action& action);
+void AddHome(CLI::App& program, Action& action);
+void AddJog(CLI::App& program, Action& action);
+void AddSnap(CLI::App& program, Action& action);
+void AddDoctor(CLI::App& program, Action& action);
 
 // A command with its help, an example below it, and --threads.
 CLI::App* AddCommand(CLI::App& program, const std::string& name, const std::string& description,

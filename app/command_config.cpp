@@ -32,7 +32,7 @@ Status CheckScene(const std::string& file) {
   return config ? Status() : Forward(config);
 }
 
-int Check(const std::string& file) {
+int CheckFile(const std::string& file) {
   const auto is_run = IsRunConfig(file);
   if (!is_run) return Fail(is_run.error());
   if (*is_run) {
@@ -74,7 +74,7 @@ void AddConfig(CLI::App& program, Action& action) {
   command->require_subcommand(1);
   command->footer("Example:\n  turnlight config show configs/synthetic_sphere.yaml");
   AddPart(*command, action, "check", "Check a configuration without running it",
-          "synthesize, simulate or run", Check);
+          "synthesize, simulate or run", CheckFile);
   AddPart(*command, action, "show", "Print every key with its value, defaults included",
           "synthesize", Show);
 }

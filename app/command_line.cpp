@@ -35,6 +35,11 @@ void Configure(CLI::App& program, Action& action) {
   AddVerify(program, action);
   AddCompare(program, action);
   AddConfig(program, action);
+  AddDevices(program, action);
+  AddHome(program, action);
+  AddJog(program, action);
+  AddSnap(program, action);
+  AddDoctor(program, action);
 }
 
 // The command that the line got to, "config show" for example.

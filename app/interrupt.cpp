@@ -19,6 +19,7 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch
 std::atomic<nodes::graph::Graph*> stopped_graph{nullptr};
 std::atomic<int> presses{0};  // while there is a graph to stop
 std::atomic<bool> first_stops_now{false};
+std::atomic<bool> halts_motor{false};
 static_assert(std::atomic<nodes::graph::Graph*>::is_always_lock_free,
               "a signal handler may touch it");
 
@@ -35,17 +36,20 @@ void HandleInterrupt(int signal) {
     graph->RequestStop(now ? nodes::graph::StopMode::kNow : nodes::graph::StopMode::kDrain);
     if (press < 3) return;
   }
+  if (halts_motor.load() && presses.fetch_add(1) + 1 < 3) return;
   if (second || at_once.load() > 0) EndNow();
+}
+
+void Catch(int signal) {
+  struct sigaction action {};
+  action.sa_handler = HandleInterrupt;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
 
-void InstallInterruptHandler() {
-  struct sigaction action {};
-  action.sa_handler = HandleInterrupt;
-  action.sa_flags = SA_RESTART;
-  ::sigaction(SIGINT, &action, nullptr);
-}
+void InstallInterruptHandler() { Catch(SIGINT); }
 
 bool Interrupted() { return interrupted.load(); }
 const StopFlag& InterruptFlag() { return interrupted; }
@@ -61,13 +65,20 @@ InterruptStopsGraph::InterruptStopsGraph(nodes::graph::Graph& graph, nodes::grap
   first_stops_now = first == nodes::graph::StopMode::kNow;
   stopped_graph = &graph;
   if (interrupted) graph.RequestStop(first);  // it came before there was a graph
-  struct sigaction action {};
-  action.sa_handler = HandleInterrupt;
-  action.sa_flags = SA_RESTART;
-  ::sigaction(SIGTERM, &action, nullptr);
+  Catch(SIGTERM);
 }
 InterruptStopsGraph::~InterruptStopsGraph() {
   stopped_graph = nullptr;
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+InterruptHaltsMotor::InterruptHaltsMotor() {
+  presses = 0;
+  halts_motor = true;
+  Catch(SIGTERM);
+}
+InterruptHaltsMotor::~InterruptHaltsMotor() {
+  halts_motor = false;
   std::signal(SIGTERM, SIG_DFL);
 }
 

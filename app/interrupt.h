@@ -35,4 +35,14 @@ class InterruptStopsGraph {
   InterruptStopsGraph& operator=(const InterruptStopsGraph&) = delete;
 };
 
+// While one lives, Ctrl-C and SIGTERM only raise the flag: whoever moves a motor looks at it, halts
+// the motor and ends. The third ends the program at once.
+class InterruptHaltsMotor {
+ public:
+  InterruptHaltsMotor();
+  ~InterruptHaltsMotor();
+  InterruptHaltsMotor(const InterruptHaltsMotor&) = delete;
+  InterruptHaltsMotor& operator=(const InterruptHaltsMotor&) = delete;
+};
+
 }  // namespace turnlight::app

@@ -26,29 +26,32 @@ std::string TimeLeft(double seconds) {
   return text;
 }
 
-Progress::Progress(std::string label, std::size_t total)
-    : label_(std::move(label)),
-      total_(total),
-      terminal_(::isatty(STDERR_FILENO) == 1),
-      next_s_(terminal_ ? 0.0 : kPlainPeriod) {}
+StatusLine::StatusLine()
+    : terminal_(::isatty(STDERR_FILENO) == 1), next_s_(terminal_ ? 0.0 : kPlainPeriod) {}
 
-Progress::~Progress() {
-  if (terminal_ && done_ > 0) std::fputs("\r\033[K", stderr);
+StatusLine::~StatusLine() {
+  if (terminal_ && shown_) std::fputs("\r\033[K", stderr);
 }
+
+void StatusLine::Show(const std::string& text, bool last) {
+  const double seconds = stopwatch_.Seconds();
+  shown_ = true;
+  if (seconds < next_s_ && !last) return;
+  next_s_ = seconds + (terminal_ ? kTerminalPeriod : kPlainPeriod);
+  if (terminal_)
+    std::fprintf(stderr, "\r\033[K%s", text.c_str());
+  else
+    std::fprintf(stderr, "%s\n", text.c_str());
+  std::fflush(stderr);
+}
+
+Progress::Progress(std::string label, std::size_t total)
+    : label_(std::move(label)), total_(total) {}
 
 void Progress::Step() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++done_;
-  const double seconds = stopwatch_.Seconds();
-  const bool last = done_ == total_;
-  if (seconds < next_s_ && !last) return;
-  next_s_ = seconds + (terminal_ ? kTerminalPeriod : kPlainPeriod);
-  const std::string line = Line(label_, done_, total_, seconds);
-  if (terminal_)
-    std::fprintf(stderr, "\r\033[K%s", line.c_str());
-  else
-    std::fprintf(stderr, "%s\n", line.c_str());
-  std::fflush(stderr);
+  line_.Show(Line(label_, done_, total_, stopwatch_.Seconds()), done_ == total_);
 }
 
 std::string Progress::Line(const std::string& label, std::size_t done, std::size_t total,

@@ -1,9 +1,8 @@
 #include "app/rig_config.h"
 
-#include <algorithm>
 #include <utility>
-#include <vector>
 
+#include "app/driver_choice.h"
 #include "base/file.h"
 #include "base/format.h"
 #include "estimator/results/scene_json.h"
@@ -35,47 +34,6 @@ Result<rig::RigTarget> ReadTarget(StrictObject object, const fs::path& folder) {
   if (const auto* plane = std::get_if<calib::PlaneShape>(&target))
     return rig::RigTarget{*plane, *plane};
   return ReadMeshTarget(object, folder / std::get<rig::MeshFile>(target).path);
-}
-
-// A path, or the same keys in place. Gives the text of the file.
-Result<std::string> ReadCalibration(StrictObject& rig, const fs::path& folder, RunConfig& config) {
-  const nlohmann::json& value = rig.Raw("calibration");
-  if (value.is_null()) return std::string();
-  std::string text;
-  auto calibration = Result<rig::RigCalibration>(InputError(""));
-  if (value.is_string()) {
-    const fs::path path = folder / value.get<std::string>();
-    auto read = ReadFile(path);
-    if (!read) return InputError(rig.Where("calibration") + ": " + read.error().text);
-    text = std::move(*read);
-    calibration = rig::ReadRigCalibration(path);
-  } else if (value.is_object()) {
-    calibration = rig::ReadRigCalibration(rig.Object("calibration"), folder);
-  } else {
-    return InputError(rig.Where("calibration") + ": " + value.dump() + ", allowed is " +
-                      kCalibrationIs);
-  }
-  if (!calibration) return Forward(calibration);
-  config.calibration = std::move(*calibration);
-  return text;
-}
-
-template <typename Device>
-const Driver<Device>* FindDriver(const std::vector<Driver<Device>>& drivers, StrictObject& keys) {
-  std::vector<std::string> names;
-  for (const Driver<Device>& driver : drivers) names.push_back(driver.name);
-  const std::string name = keys.Choice("driver", names);
-  const auto found =
-      std::find_if(drivers.begin(), drivers.end(),
-                   [&](const Driver<Device>& driver) { return driver.name == name; });
-  return keys.ok() ? &*found : nullptr;
-}
-
-template <typename Device>
-Result<Device> Make(const Driver<Device>& driver, const StrictObject& keys,
-                    rig::sim::SimulatedWorld* world) {
-  return world ? std::get<SimulatedDriver<Device>>(driver.make)(keys, *world)
-               : std::get<RealDriver<Device>>(driver.make)(keys);
 }
 
 // A driver of each device, and its keys.
@@ -187,6 +145,28 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
 
 }  // namespace
 
+Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig, const fs::path& folder) {
+  const nlohmann::json& value = rig.Raw("calibration");
+  if (value.is_null()) return CalibrationOfRig();
+  CalibrationOfRig read;
+  auto calibration = Result<rig::RigCalibration>(InputError(""));
+  if (value.is_string()) {
+    const fs::path path = folder / value.get<std::string>();
+    auto text = ReadFile(path);
+    if (!text) return InputError(rig.Where("calibration") + ": " + text.error().text);
+    read.text = std::move(*text);
+    calibration = rig::ReadRigCalibration(path);
+  } else if (value.is_object()) {
+    calibration = rig::ReadRigCalibration(rig.Object("calibration"), folder);
+  } else {
+    return InputError(rig.Where("calibration") + ": " + value.dump() + ", allowed is " +
+                      kCalibrationIs);
+  }
+  if (!calibration) return Forward(calibration);
+  read.calibration = std::move(*calibration);
+  return read;
+}
+
 Result<RigFiles> ReadRigSection(const fs::path& folder, RunConfig& config) {
   StrictObject& rig = config.rig;
   config.table = rig.Object("table");
@@ -195,15 +175,16 @@ Result<RigFiles> ReadRigSection(const fs::path& folder, RunConfig& config) {
   const auto unit = rig.OptionalString("length_unit");
   if (unit && !rig::IsWord(*unit))
     rig.Refuse("length_unit", "a word without spaces, such as \"mm\"");
-  auto calibration = ReadCalibration(rig, folder, config);
+  auto calibration = ReadRigCalibrationKey(rig, folder);
   if (const Status status = rig.Finish(); !status) return Forward(status);
   if (!calibration) return Forward(calibration);
+  config.calibration = std::move(calibration->calibration);
   if (config.calibration && unit && *unit != config.calibration->length_unit)
     return InputError(rig.Where("length_unit") + ": " + *unit + ", allowed is the calibration's, " +
                       config.calibration->length_unit);
   config.length_unit =
       config.calibration ? config.calibration->length_unit : unit.value_or(config.length_unit);
-  RigFiles files{std::move(*calibration), ""};
+  RigFiles files{std::move(calibration->text), ""};
   if (!target) return files;
   auto read = ReadTarget(*target, folder);
   if (!read) return Forward(read);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "app/drivers.h"
@@ -23,6 +24,14 @@ inline constexpr char kRigExample[] =
     "    target: {shape: sphere, radius: 50}\n"
     "    motion: {kind: table, distance: 420, elevation_deg: 30}\n"
     "    faults: {list: []}\n";
+
+// What the section's key calibration says: a path, or the same keys in place. Fails (kInput).
+struct CalibrationOfRig {
+  std::optional<rig::RigCalibration> calibration;  // if the key is there
+  std::string text;                                // of the file, if it is one
+};
+Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig,
+                                               const std::filesystem::path& folder);
 
 // The bytes of the files that the section names; empty if it names none.
 struct RigFiles {

@@ -62,11 +62,6 @@ std::string HashOf(const Document& document, const std::string& rig_files,
          " simulation " + Sha256Hex(text("simulation")) + " graph " + graph_hash;
 }
 
-rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
-  const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
-  return {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)};
-}
-
 Status ReadPlan(const std::optional<StrictObject>& capture, rig::CapturePlan& into) {
   if (!capture) return {};
   auto plan = rig::ParseCapturePlan(*capture);
@@ -85,6 +80,11 @@ Status ReadWorld(const std::optional<StrictObject>& simulation, RunConfig& confi
 }
 
 }  // namespace
+
+rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
+  const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
+  return {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)};
+}
 
 Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
                                  const fs::path& origin) {

@@ -29,6 +29,18 @@ std::string Describe(const ClosureCheck& check) {
 
 }  // namespace
 
+ClosureCheck CompareClosure(double first_deg, const cv::Mat& first, double closure_deg,
+                            const cv::Mat& closure, const calib::Radiometry& radiometry) {
+  ClosureCheck check;
+  check.first_deg = first_deg;
+  check.closure_deg = closure_deg;
+  check.difference = CompareFrames(first, closure, radiometry);
+  check.closed = check.difference.blocks > 0 && (check.difference.block_sigmas <= kClosureSigmas ||
+                                                 check.difference.block_share <= kClosureShare);
+  check.text = Describe(check);
+  return check;
+}
+
 Result<std::optional<ClosureCheck>> CheckClosure(const std::filesystem::path& session) {
   std::error_code code;
   if (!std::filesystem::exists(session / kJournalFile, code)) return std::optional<ClosureCheck>();
@@ -50,14 +62,8 @@ Result<std::optional<ClosureCheck>> CheckClosure(const std::filesystem::path& se
   if (first_image->size() != closure_image->size() || first_image->type() != closure_image->type())
     return InputError((session / closure->frame.image).string() +
                       ": another size or kind than the first frame, allowed is the same");
-  ClosureCheck check;
-  check.first_deg = journal->header.angles_deg.front();
-  check.closure_deg = *journal->header.closure_deg;
-  check.difference = CompareFrames(*first_image, *closure_image, read->radiometry);
-  check.closed = check.difference.blocks > 0 && (check.difference.block_sigmas <= kClosureSigmas ||
-                                                 check.difference.block_share <= kClosureShare);
-  check.text = Describe(check);
-  return check;
+  return CompareClosure(journal->header.angles_deg.front(), *first_image,
+                        *journal->header.closure_deg, *closure_image, read->radiometry);
 }
 
 }  // namespace turnlight::rig

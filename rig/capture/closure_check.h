@@ -25,6 +25,10 @@ struct ClosureCheck {
   std::string text;  // measured against allowed, and what to do if it is not closed
 };
 
+// Of two pictures of one size and type, with what their DN mean.
+ClosureCheck CompareClosure(double first_deg, const cv::Mat& first, double closure_deg,
+                            const cv::Mat& closure, const calib::Radiometry& radiometry);
+
 // Of a finished session, from what is on disk. Nothing if it was not captured with a closure frame.
 // Fails (kInput): pictures that cannot be read or compared.
 Result<std::optional<ClosureCheck>> CheckClosure(const std::filesystem::path& session);

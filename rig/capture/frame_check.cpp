@@ -14,6 +14,17 @@ constexpr double kLitLevel = 0.01;     // of white
 constexpr double kVarianceOfRounding = 1.0 / 12.0;
 constexpr int kBlock = 8;  // pixels
 
+// Of a good exposure: what may be clipped (glints), and where the brightest of the rest are.
+constexpr double kGoodClippedShare = 0.001;
+constexpr double kGoodBrightest = 0.8;  // of saturation
+// A clipped picture is at least this much too bright: less is not worth a change.
+constexpr double kLeastReduction = 0.5;
+constexpr double kMostReduction = 1.0 / 16.0;
+constexpr double kBlindReduction = 1.0 / 8.0;  // when too few pixels are left to judge by
+constexpr double kLeastUnclipped = 0.02;
+constexpr double kMostIncrease = 100.0;
+constexpr double kWorthIncreasing = 1.6;
+
 // Levels of all channels, as float; NaN stays.
 cv::Mat1f ToLevels(const cv::Mat& image, const calib::Radiometry& radiometry) {
   const double scale = 1.0 / (radiometry.white - radiometry.black);
@@ -22,14 +33,58 @@ cv::Mat1f ToLevels(const cv::Mat& image, const calib::Radiometry& radiometry) {
   return levels;
 }
 
+// A level of exactly that much may have been rounded down, by less than any step between DN.
+constexpr float kLevelRounding = 5e-7f;
+
 float SaturationLevel(const calib::Radiometry& radiometry) {
   return static_cast<float>((radiometry.SaturationDn() - radiometry.black) /
-                            (radiometry.white - radiometry.black));
+                            (radiometry.white - radiometry.black)) -
+         kLevelRounding;
 }
 
 std::string Percent(double share) { return Format("%.3g %%", 100.0 * share); }
 
 std::string Ratio(double ratio) { return NumberText(ratio, 3); }
+
+// The level that this share of the pixels exceeds.
+double ExceededBy(double share, std::vector<float>& brightest) {
+  return static_cast<double>(LowerQuantile(brightest, 1.0 - share));
+}
+
+// brightest: each pixel's level, of its brightest channel.
+double ExposureFactor(double clipped, double saturation, std::vector<float>& brightest) {
+  const double wanted = kGoodBrightest * saturation;
+  if (clipped <= kGoodClippedShare) {
+    const double level = ExceededBy(kGoodClippedShare, brightest);
+    return level * kMostIncrease > wanted ? wanted / level : kMostIncrease;
+  }
+  const double below = 1.0 - clipped;
+  if (below < kLeastUnclipped) return kBlindReduction;
+  // The bright end goes on as it begins: levels grow with the logarithm of the share above them.
+  const double share = clipped + std::min(clipped, 0.25 * below);
+  const double more = clipped + std::min(3.0 * clipped, 0.5 * below);
+  const double level = ExceededBy(share, brightest);
+  const double slope = (level - ExceededBy(more, brightest)) / std::log(more / share);
+  const double brightest_level = level + slope * std::log(share / kGoodClippedShare);
+  return std::clamp(wanted / std::max(brightest_level, 1e-6), kMostReduction, kLeastReduction);
+}
+
+// To two digits or to the unit, and never as a power of ten.
+std::string Shortly(double value) {
+  if (value < 0.005) return "0";
+  return value < 10.0 ? NumberText(value, 2) : NumberText(std::round(value));
+}
+
+// "halve the exposure", "raise the exposure 20 times".
+std::string ExposureWords(double factor) {
+  const double times = factor < 1.0 ? 1.0 / factor : factor;
+  const bool twice = times > 1.75 && times < 2.3;
+  if (factor < 1.0)
+    return twice ? "halve the exposure" : "divide the exposure by " + Shortly(times);
+  return twice ? "double the exposure"
+               : "raise the exposure " + Shortly(times) + " times" +
+                     (factor >= kMostIncrease ? " or more" : "");
+}
 
 // Fills in the blocks' part. counts(row, i): whether a value takes part.
 template <typename Counts>
@@ -87,8 +142,18 @@ FrameStatistics MeasureFrame(const cv::Mat& image, const calib::Radiometry& radi
   }
   const auto count = static_cast<double>(brightest.size());
   const auto rank = static_cast<std::size_t>((1.0 - kBrightShare) * count);
-  return {sum / (count * channels), OrderStatistic(brightest, rank),
-          static_cast<double>(saturated) / count};
+  const double clipped = static_cast<double>(saturated) / count;
+  return {sum / (count * channels), OrderStatistic(brightest, rank), clipped,
+          ExposureFactor(clipped, static_cast<double>(saturation), brightest)};
+}
+
+std::string ExposureAdvice(const FrameStatistics& statistics) {
+  if (statistics.saturated_share > kGoodClippedShare)
+    return Shortly(100.0 * statistics.saturated_share) +
+           " % clipped: " + ExposureWords(statistics.exposure_factor);
+  if (statistics.exposure_factor < kWorthIncreasing) return "";
+  return "mean level " + Shortly(100.0 * statistics.mean_level) +
+         " % of white: " + ExposureWords(statistics.exposure_factor);
 }
 
 FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
@@ -105,11 +170,13 @@ FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
     return refuse(FrameVerdict::kAllBlack,
                   "all black: 99 % of the pixels are below " + Percent(found.bright_level) +
                       " of white, allowed is at least " + Percent(gate.min_bright_level) +
-                      "; is the light on, the lens cap off, the exposure long enough?");
+                      "; is the light on, the lens cap off? If so " +
+                      ExposureWords(std::max(found.exposure_factor, kWorthIncreasing)));
   if (found.saturated_share > gate.max_saturated_share)
-    return refuse(FrameVerdict::kSaturated,
-                  "saturated: " + Percent(found.saturated_share) + " of the pixels, allowed are " +
-                      Percent(gate.max_saturated_share) + "; shorten the exposure");
+    return refuse(FrameVerdict::kSaturated, "saturated: " + Percent(found.saturated_share) +
+                                                " of the pixels, allowed are " +
+                                                Percent(gate.max_saturated_share) + ": " +
+                                                ExposureWords(found.exposure_factor));
   if (previous.empty() || previous.size() < gate.min_history) return check;
   std::vector<double> levels = previous;
   const double usual = Median(levels);

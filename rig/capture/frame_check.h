@@ -15,9 +15,17 @@ struct FrameStatistics {
   double mean_level = 0.0;       // over all pixels and channels
   double bright_level = 0.0;     // that 1 % of the pixels exceed (brightest channel)
   double saturated_share = 0.0;  // of pixels with a channel at saturation or above, or not finite
+  // What to multiply the exposure by so that about a thousandth of the pixels exceeds four fifths
+  // of saturation: 1/16..100. How bright clipped pixels really are is not known; it is estimated
+  // from the ones below them, and following it twice or thrice gets there.
+  double exposure_factor = 1.0;
 };
 // image: CV_8U, CV_16U or CV_32F DN, 1 or 3 channels, not empty.
 FrameStatistics MeasureFrame(const cv::Mat& image, const calib::Radiometry& radiometry);
+
+// What to do about the exposure, measured first: "2.1 % clipped: halve the exposure". Empty if it
+// is good: hardly anything is clipped, and the brightest pixels use the range.
+std::string ExposureAdvice(const FrameStatistics& statistics);
 
 struct FrameGate {
   double min_bright_level = 0.005;    // below: all black
@@ -33,7 +41,7 @@ enum class FrameVerdict { kGood, kAllBlack, kSaturated, kLampOff, kLampBright };
 
 struct FrameCheck {
   FrameVerdict verdict = FrameVerdict::kGood;
-  std::string text;  // measured against allowed; empty if good
+  std::string text;  // measured against allowed, and what to do; empty if good
   FrameStatistics statistics;
 };
 // previous: mean_level of the good frames of the same exposure before this one, in any order.

@@ -197,7 +197,7 @@ TEST_F(FolderCameraTest, WhatIsKnownOfARealRigHasToBeSaid) {
                         "object with its keys"));
   EXPECT_THAT(Refusal("taken/target.ply", "taken/none.ply"), HasSubstr("rig/target/path: "));
   EXPECT_THAT(Refusal("driver: folder", "driver: flder"),
-              HasSubstr("rig/camera/driver: \"flder\", allowed is one of mock, folder"));
+              HasSubstr("rig/camera/driver: \"flder\", allowed is one of mock, aravis, folder"));
   EXPECT_THAT(Refusal("driver: folder, ", ""), HasSubstr("rig/camera/driver: this key is missing"));
   EXPECT_THAT(Refusal("size: [80, 60]", "size: [80, 60], fps: 3"),
               HasSubstr("rig/camera/fps: unknown key"));

@@ -77,8 +77,8 @@ TEST(RigConfig, WordsOfTheRefusals) {
   const std::string config = MainConfig();
   EXPECT_THAT(Refusal(config, "camera: {driver: mock}", "camera: {driver: magic}"),
               HasSubstr("rig/camera/driver: \"magic\", allowed is one of mock"));
-  EXPECT_THAT(Refusal(config, "table: {driver: mock, ", "table: {driver: grbl, "),
-              HasSubstr("rig/table/driver: \"grbl\", allowed is one of mock"));
+  EXPECT_THAT(Refusal(config, "table: {driver: mock, ", "table: {driver: hand, "),
+              HasSubstr("rig/table/driver: \"hand\", allowed is one of mock"));
   EXPECT_THAT(Refusal(config, "table: {driver: mock, ", "table: {"),
               HasSubstr("rig/table/driver: this key is missing"));
   EXPECT_THAT(Refusal(config, "  camera: {driver: mock}\n", ""),

@@ -60,13 +60,85 @@ TEST(FrameCheck, Verdicts) {
   EXPECT_THAT(black.text, AllOf(HasSubstr("0.4 % of white"), HasSubstr("at least 0.5 %")));
   const auto saturated = CheckFrame(Flat(1.0), Sensor(), gate, before);
   EXPECT_EQ(saturated.verdict, FrameVerdict::kSaturated);
-  EXPECT_THAT(saturated.text, AllOf(HasSubstr("100 %"), HasSubstr("allowed are 25 %")));
+  EXPECT_THAT(saturated.text, AllOf(HasSubstr("100 %"), HasSubstr("allowed are 25 %: divide the "
+                                                                  "exposure by 8")));
   const auto off = CheckFrame(Flat(0.04), Sensor(), gate, before);
   EXPECT_EQ(off.verdict, FrameVerdict::kLampOff);
   EXPECT_THAT(off.text, AllOf(HasSubstr("0.4 of the median of the 3"), HasSubstr("0.5 or more")));
   EXPECT_EQ(CheckFrame(Flat(0.3), Sensor(), gate, before).verdict, FrameVerdict::kLampBright);
   // Without enough predecessors nothing is said about the lamp.
   EXPECT_EQ(CheckFrame(Flat(0.04), Sensor(), gate, {0.1, 0.1}).verdict, FrameVerdict::kGood);
+}
+
+// A scene as a sensor with this exposure gives it: level_of(u), u rising evenly from 0 to 1.
+template <typename LevelOf>
+cv::Mat Exposed(const LevelOf& level_of, double exposure) {
+  cv::Mat1w image(100, 100);
+  for (int i = 0; i < 10000; ++i) {
+    const double level = exposure * level_of((i + 0.5) / 10000.0);
+    image(i / 100, i % 100) =
+        cv::saturate_cast<std::uint16_t>(std::min(200.0 + 10000.0 * level, 12000.0));
+  }
+  return image;
+}
+
+// Follows the advice; the exposures that it led to, until there is none.
+template <typename LevelOf>
+std::vector<double> Followed(const LevelOf& level_of, double exposure) {
+  std::vector<double> exposures{exposure};
+  while (exposures.size() < 10) {
+    const auto found = MeasureFrame(Exposed(level_of, exposures.back()), Sensor());
+    if (ExposureAdvice(found).empty()) break;
+    exposures.push_back(exposures.back() * found.exposure_factor);
+  }
+  return exposures;
+}
+
+// 4095 above a black of 100 is 1 but for rounding.
+TEST(FrameCheck, WhiteIsSaturatedWhateverTheRounding) {
+  calib::Radiometry radiometry;
+  for (int black = 0; black < 200; ++black) {
+    radiometry.black = black;
+    radiometry.white = 4095.0;
+    const cv::Mat white(4, 4, CV_16U, cv::Scalar(4095)), below(4, 4, CV_16U, cv::Scalar(4094));
+    EXPECT_EQ(MeasureFrame(white, radiometry).saturated_share, 1.0) << black;
+    EXPECT_EQ(MeasureFrame(below, radiometry).saturated_share, 0.0) << black;
+  }
+}
+
+TEST(FrameCheck, AdviceOfADarkPictureIsExact) {
+  const auto ramp = [](double u) { return u; };  // the brightest thousandth begins at 0.999
+  for (const double exposure : {0.01, 0.04, 0.4}) {
+    const auto followed = Followed(ramp, exposure);
+    ASSERT_EQ(followed.size(), 2u) << exposure;
+    EXPECT_NEAR(followed[1], 0.8, 0.04) << exposure;
+  }
+  EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(ramp, 0.04), Sensor())),
+            "mean level 2 % of white: raise the exposure 20 times");
+  EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(ramp, 0.4), Sensor())),
+            "mean level 20 % of white: double the exposure");
+  EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(ramp, 0.9), Sensor())), "");
+  EXPECT_EQ(ExposureAdvice(MeasureFrame(Flat(0.0), Sensor())),
+            "mean level 0 % of white: raise the exposure 100 times or more");
+}
+
+TEST(FrameCheck, AdviceOfAClippedPictureGetsThere) {
+  const auto exponential = [](double u) { return -0.2 * std::log(1.0 - u); };
+  const auto disc = [](double u) { return u > 0.7 ? 1.0 : 0.01; };
+  const auto glints = [](double u) { return 0.2 * u + (u > 0.995 ? 1.0 : 0.0); };
+  EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(exponential, 1.3), Sensor())),
+            "2.1 % clipped: halve the exposure");
+  const auto ends_well = [](const auto& scene, double exposure, std::size_t steps) {
+    const auto followed = Followed(scene, exposure);
+    EXPECT_LE(followed.size() - 1, steps) << exposure;
+    const auto end = MeasureFrame(Exposed(scene, followed.back()), Sensor());
+    EXPECT_LE(end.saturated_share, 0.001) << exposure;
+    EXPECT_GT(end.exposure_factor, 0.7) << exposure;
+    EXPECT_LT(end.exposure_factor, 1.6) << exposure;
+  };
+  for (const double exposure : {1.3, 2.0, 5.0, 20.0}) ends_well(exponential, exposure, 4);
+  for (const double exposure : {1.1, 3.0, 6.0}) ends_well(disc, exposure, 5);
+  for (const double exposure : {1.0, 3.0}) ends_well(glints, exposure, 5);
 }
 
 cv::Mat Scene(std::uint64_t seed, int shift) {
