@@ -229,7 +229,13 @@ std::vector<RigLoopRun> RunAll(const std::vector<RigLoopOptions>& all) {
   std::vector<RigLoopRun> runs(all.size());
   std::vector<std::jthread> threads;
   for (std::size_t i = 0; i < all.size(); ++i)
-    threads.emplace_back([&, i] { runs[i] = RunRigLoop(all[i]); });
+    threads.emplace_back([&, i] {
+      try {
+        runs[i] = RunRigLoop(all[i]);
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << error.what();
+      }
+    });
   threads.clear();
   return runs;
 }
