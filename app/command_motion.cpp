@@ -20,8 +20,8 @@
 namespace turnlight::app {
 namespace {
 
-constexpr double kHomePatience_s = 120.0;
-constexpr double kMaxPatience_s = 86400.0;
+constexpr double kHomePatienceS = 120.0;
+constexpr double kMaxPatienceS = 86400.0;
 
 // A table that was opened, and how it is moved.
 struct OpenedTable {
@@ -67,7 +67,7 @@ Status Home(OpenedTable& table, const MotionArguments& arguments) {
                            state.angle_deg));
   };
   const auto state =
-      HomeTable(table.motion, FromSeconds(arguments.timeout_s.value_or(kHomePatience_s)));
+      HomeTable(table.motion, FromSeconds(arguments.timeout_s.value_or(kHomePatienceS)));
   if (!state) return Forward(state);
   table.state = *state;
   return {};
@@ -146,7 +146,7 @@ std::shared_ptr<MotionWords> AddMotionOptions(CLI::App& command) {
           "--timeout", [words](const double& s) { words->arguments.timeout_s = s; },
           "How long the motion may take before the motor is halted; else by the config and the way")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.1, kMaxPatience_s));
+      ->check(CLI::Range(0.1, kMaxPatienceS));
   return words;
 }
 

@@ -19,7 +19,7 @@
 namespace turnlight::app {
 namespace {
 
-constexpr double kMaxSnapPatience_s = 3600.0;
+constexpr double kMaxSnapPatienceS = 3600.0;
 
 struct SnapWords {
   std::string first, second;
@@ -121,7 +121,7 @@ void AddSnap(CLI::App& program, Action& action) {
   };
   number("--exposure", &SnapArguments::exposure_us, 0.1, 1e8, "US", "Instead of the config's");
   number("--gain", &SnapArguments::gain_db, -40.0, 80.0, "DB", "Instead of the config's");
-  number("--timeout", &SnapArguments::timeout_s, 0.1, kMaxSnapPatience_s, "SECONDS",
+  number("--timeout", &SnapArguments::timeout_s, 0.1, kMaxSnapPatienceS, "SECONDS",
          "How long to wait for the picture, besides the exposure; else by the config");
   command->callback([words, &action] {
     action = [words] {

@@ -153,7 +153,11 @@ Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig, const fs::path
   if (value.is_string()) {
     const fs::path path = folder / value.get<std::string>();
     auto text = ReadFile(path);
-    if (!text) return InputError(rig.Where("calibration") + ": " + text.error().text);
+    if (!text)
+      return InputError(rig.Where("calibration") + ": " + text.error().text +
+                        "; a rig has to be calibrated before it captures. Of simulated devices "
+                        "turnlight simulate SIM.yaml --calibration FILE writes it; of your own "
+                        "rig docs/hardware.md, \"Calibrating\", says what belongs in it");
     read.text = std::move(*text);
     calibration = rig::ReadRigCalibration(path);
   } else if (value.is_object()) {

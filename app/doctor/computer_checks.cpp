@@ -26,7 +26,7 @@ constexpr int kTrialParts = 8;         // each synced, as pictures are
 constexpr double kDiskShare = 0.5;     // of the time of a frame that the disk may take
 constexpr double kRoomForMore = 2.0;   // times what the plan needs
 constexpr double kMostDrift = 500e-6;  // what a clock is disciplined by at most
-constexpr double kClockTrial_s = 0.2;
+constexpr double kClockTrialS = 0.2;
 
 std::optional<DiskNeed> NeedOf(const Patient& patient) {
   if (!patient.devices.camera || !patient.devices.table) return std::nullopt;
@@ -121,7 +121,7 @@ Check CheckFreeSpace(Patient& patient) {
 Check CheckSteadyClock(Patient&) {
   const double begun = ReadClock(CLOCK_MONOTONIC), raw_begun = ReadClock(CLOCK_MONOTONIC_RAW);
   double last = begun, back = 0.0;
-  while (last - begun < kClockTrial_s) {
+  while (last - begun < kClockTrialS) {
     const double now = ReadClock(CLOCK_MONOTONIC);
     back = std::max(back, last - now);
     last = now;
@@ -135,7 +135,7 @@ Check CheckSteadyClock(Patient&) {
                   "another clock source: cat "
                   "/sys/devices/system/clocksource/clocksource0/available_clocksource");
   // The two readings are not at the same instant.
-  const double unsure = 1e-4 / kClockTrial_s;
+  const double unsure = 1e-4 / kClockTrialS;
   if (std::abs(drift) <= kMostDrift + unsure) return Fine(figure + ", never back");
   return Warning(figure, "let the time synchronisation settle, then look again");
 }

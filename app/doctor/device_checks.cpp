@@ -13,7 +13,7 @@ namespace turnlight::app {
 namespace {
 
 constexpr double kExposureTolerance = 1e-3;  // as of every picture of a capture
-constexpr double kGainTolerance_db = 0.05;
+constexpr double kGainToleranceDb = 0.05;
 
 std::string Joined(const std::vector<std::string>& lines) {
   std::string text;
@@ -89,7 +89,7 @@ Check CheckExposure(Patient& patient) {
               Format("%.6g us and %.4g dB asked, %.6g us and %.4g dB read back", asked.exposure_us,
                      asked.gain_db, set->exposure_us, set->gain_db);
     same = same && std::abs(set->exposure_us - exposure_us) <= kExposureTolerance * exposure_us &&
-           std::abs(set->gain_db - asked.gain_db) <= kGainTolerance_db;
+           std::abs(set->gain_db - asked.gain_db) <= kGainToleranceDb;
   }
   return same ? Fine(figure)
               : Failed(figure,

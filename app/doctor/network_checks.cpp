@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 constexpr char kNotGige[] = "the camera is not of GigE Vision";
 constexpr char kNotUsb[] = "the camera is not of USB3 Vision";
 constexpr long kJumboMtu = 9000;
-constexpr long kUsbMemoryNeeded_mb = 200;  // a dozen pictures of a few megapixels
-constexpr long kDefaultSocketBuffer_kb = 4000;
+constexpr long kUsbMemoryNeededMb = 200;  // a dozen pictures of a few megapixels
+constexpr long kDefaultSocketBufferKb = 4000;
 constexpr int kHeaders = 28;  // bytes of IP and UDP
 constexpr std::uint16_t kGvcpPort = 3956;
 
@@ -184,9 +184,9 @@ Check CheckUsbMemory(Patient& patient) {
   const auto memory = NumberIn(file);
   if (!memory) return Skipped(std::string(file) + " cannot be read");
   const std::string figure = Format("%ld MB for all USB devices", *memory);
-  if (*memory == 0 || *memory >= kUsbMemoryNeeded_mb) return Fine(figure);
-  return Warning(figure + Format(", %ld MB hold some pictures", kUsbMemoryNeeded_mb),
-                 Format("echo %ld | sudo tee ", kUsbMemoryNeeded_mb) + file);
+  if (*memory == 0 || *memory >= kUsbMemoryNeededMb) return Fine(figure);
+  return Warning(figure + Format(", %ld MB hold some pictures", kUsbMemoryNeededMb),
+                 Format("echo %ld | sudo tee ", kUsbMemoryNeededMb) + file);
 }
 
 Check CheckSocketBuffer(Patient& patient) {
@@ -194,7 +194,7 @@ Check CheckSocketBuffer(Patient& patient) {
   if (AddressOf(patient).empty()) return Skipped(kNotGige);
   StrictObject keys = *patient.config.camera;
   const nlohmann::json& kb = keys.Raw("socket_buffer_kb");
-  const long needed = 1000 * (kb.is_number_integer() ? kb.get<long>() : kDefaultSocketBuffer_kb);
+  const long needed = 1000 * (kb.is_number_integer() ? kb.get<long>() : kDefaultSocketBufferKb);
   return JudgeSocketBuffer(NumberIn("/proc/sys/net/core/rmem_max"), needed);
 }
 

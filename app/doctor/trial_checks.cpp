@@ -20,11 +20,10 @@ namespace turnlight::app {
 namespace {
 
 constexpr int kTrialFrames = 100;
-constexpr int kMostLost = 3;  // then it is of no use to go on
-constexpr double kTrialExposure_us =
-    20000.0;  // at most: a hundred of a second each would take long
-constexpr double kTurnHome_s = 120.0;
-constexpr double kQuarterTurn_deg = 90.0;
+constexpr int kMostLost = 3;                  // then it is of no use to go on
+constexpr double kTrialExposureUs = 20000.0;  // at most: a hundred of a second each would take long
+constexpr double kTurnHomeS = 120.0;
+constexpr double kQuarterTurnDeg = 90.0;
 
 Shooting ShootingOf(const Patient& patient, double exposure_us) {
   Shooting shooting{patient.devices.camera->camera.get(), &patient.clock, patient.stop};
@@ -61,7 +60,7 @@ FrameTrial TakeTrial(const Patient& patient) {
   const Counter missing(camera, "PacketsMissing"), resent(camera, "PacketsResent"),
       again(camera, "TriggersAgain");
   const Shooting shooting =
-      ShootingOf(patient, std::min(patient.config.plan.exposures_us.front(), kTrialExposure_us));
+      ShootingOf(patient, std::min(patient.config.plan.exposures_us.front(), kTrialExposureUs));
   FrameTrial trial;
   Progress progress("taking pictures", kTrialFrames);
   while (trial.asked < kTrialFrames && trial.asked - trial.good < kMostLost) {
@@ -87,7 +86,7 @@ FrameTrial TakeTrial(const Patient& patient) {
 std::vector<double> QuartersOf(const rig::CapturePlan& plan) {
   const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
   std::vector<double> angles;
-  for (int i = 0; i <= 4; ++i) angles.push_back(plan.start_deg + sign * kQuarterTurn_deg * i);
+  for (int i = 0; i <= 4; ++i) angles.push_back(plan.start_deg + sign * kQuarterTurnDeg * i);
   return angles;
 }
 
@@ -124,7 +123,7 @@ Result<double> KnownAngle(const Patient& patient, const TableMotion& motion) {
       WaitUntilStill(motion, patient.clock.Now() + FromSeconds(patient.config.plan.move_timeout_s));
   if (state && state->motion != rig::TableMotion::kIdle) {
     patient.say(HomeText(NameOfTable(patient.config)));
-    state = HomeTable(motion, FromSeconds(kTurnHome_s));
+    state = HomeTable(motion, FromSeconds(kTurnHomeS));
   }
   if (!state) return Forward(state);
   return state->angle_deg;

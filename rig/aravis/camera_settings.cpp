@@ -90,7 +90,7 @@ Status ApplyRegion(Features& features, const AravisConfig& config, SettingsRecor
 
 // What would change pictures from one to the next, or bend their values.
 Status ApplyOffs(Features& features, SettingsRecord& record) {
-  const std::initializer_list<const char*> kOffs[] = {
+  const std::initializer_list<const char*> offs[] = {
       {"ExposureAuto"},
       {"GainAuto"},
       {"BlackLevelAuto"},
@@ -99,7 +99,7 @@ Status ApplyOffs(Features& features, SettingsRecord& record) {
       {"LUTEnable"},
       {"TestPattern"},
       {"AcquisitionFrameRateEnable", "AcquisitionFrameRateEnabled"}};
-  for (const auto& spellings : kOffs) {
+  for (const auto& spellings : offs) {
     const std::string name = features.FirstOf(spellings);
     if (name.empty()) {
       record.missing.push_back(*spellings.begin());

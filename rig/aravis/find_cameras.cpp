@@ -14,8 +14,8 @@ std::string Text(const char* text) { return text ? text : ""; }
 
 // Aravis has one list in the process, read by position.
 std::vector<FoundCamera> UpdateAndCopy() {
-  static std::mutex* const mutex = new std::mutex;  // a search may outlive main
-  const std::lock_guard lock(*mutex);
+  static std::mutex* const kMutex = new std::mutex;  // a search may outlive main
+  const std::lock_guard lock(*kMutex);
   arv_update_device_list();
   std::vector<FoundCamera> cameras;
   for (unsigned i = 0; i < arv_get_n_devices(); ++i)

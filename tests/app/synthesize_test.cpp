@@ -128,12 +128,44 @@ TEST(Config, TheExamplesAreGood) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TURNLIGHT_SOURCE_DIR "/configs")) {
     if (entry.path().extension() != ".yaml") continue;
-    if (entry.path().filename() == "compare_tolerance.yaml") continue;  // compare_test has it
+    if (entry.path().filename() == "compare_tolerance.yaml") continue;   // compare_test has it
+    if (entry.path().filename().string().starts_with("rig_")) continue;  // below
     ++count;
     const Outcome outcome = RunProgram({"config", "check", entry.path()});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   }
   EXPECT_GE(count, 4);
+}
+
+// What only an owner can give is made up: a calibration of pictures like those of the config.
+TEST(Config, TheExamplesOfRealRigsAreGoodBesideACalibration) {
+  struct {
+    const char *file, *size, *roi_offset;
+  } const rigs[] = {{"rig_grbl_gige.yaml", "[1920, 1200]", "[0,0]"},
+                    {"rig_zaber_usb3.yaml", "[1440, 960]", "[240,120]"}};
+  const std::string configs = TURNLIGHT_SOURCE_DIR "/configs/";
+  for (const auto& rig : rigs) {
+    const TemporaryFolder folder;
+    WriteText(folder / rig.file, ReadText(configs + rig.file));
+    const Outcome without = RunProgram({"config", "check", folder / rig.file});
+    EXPECT_EQ(without.exit_code, 2);
+    EXPECT_THAT(without.err, HasSubstr("rig/calibration: "));
+    EXPECT_THAT(without.err, HasSubstr("turnlight simulate SIM.yaml --calibration FILE"));
+    EXPECT_THAT(without.err, HasSubstr("docs/hardware.md"));
+    WriteText(folder / "sim.yaml", std::string("camera: {size: ") + rig.size +
+                                       ", focal_px: 3000}\nmotion: {kind: table}\ndevices:\n  "
+                                       "table: {firmware: grbl, link: unused}\n  camera: "
+                                       "{pixel_format: Mono12}\n");
+    const Outcome made = RunProgram(
+        {"simulate", folder / "sim.yaml", "--calibration", folder / "rig-calibration.json"});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    std::string calibration = ReadText(folder / "rig-calibration.json");
+    Replace(calibration, "\"roi_offset\":[0,0]", std::string("\"roi_offset\":") + rig.roi_offset);
+    WriteText(folder / "rig-calibration.json", calibration);
+    WriteText(folder / "target.ply", ReadText(configs + "hil/target.ply"));
+    const Outcome checked = RunProgram({"config", "check", folder / rig.file});
+    EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  }
 }
 
 // To a step of the pictures, not to the byte: the processor's sine may differ in the last bit.

@@ -25,8 +25,8 @@ constexpr DeviceTime kResetWait = std::chrono::seconds(10);
 // From the enabling of the motor to a state that shows it.
 constexpr DeviceTime kEnableWait = std::chrono::seconds(2);
 // Of the digits that PA is given.
-constexpr double kFinest_deg = 1e-5;
-constexpr double kFarthest_deg = 1e9;
+constexpr double kFinestDeg = 1e-5;
+constexpr double kFarthestDeg = 1e9;
 // READY T of CONEX-CC (tracking is on), READY from STEPPING of CONEX-AGP.
 constexpr unsigned kFirstOtherReady = 0x36, kLastOtherReady = 0x38;
 
@@ -58,7 +58,7 @@ void Smc100Protocol::Begin() {
   fact_ = 0;
   identified_ = {};
   identified_.identity.vendor = "Newport";
-  identified_.traits.resolution_deg = kFinest_deg;
+  identified_.traits.resolution_deg = kFinestDeg;
   other_address_.reset();
   doubtful_.reset();
   ready_before_ = referenced_ = in_doubt_ = false;
@@ -168,7 +168,7 @@ void Smc100Protocol::HandleFact(const Reply& reply) {
   if (fact == "SR?") traits.max_deg = number;
   if (fact == "VA?" && *number > 0.0) traits.max_speed_deg_s = number;
   if (fact == "AC?" && *number > 0.0) traits.acceleration_deg_s2 = number;
-  if (fact == "SU?") traits.resolution_deg = std::max(*number, kFinest_deg);
+  if (fact == "SU?") traits.resolution_deg = std::max(*number, kFinestDeg);
   NextFact();
 }
 
@@ -198,7 +198,7 @@ void Smc100Protocol::Home() {
 void Smc100Protocol::MoveTo(double position_deg) {
   if (over() || goal_ == Goal::kIdentify) return;
   StartCommand(Goal::kMove);
-  if (!(std::abs(position_deg) <= kFarthest_deg))
+  if (!(std::abs(position_deg) <= kFarthestDeg))
     return SetFault(TableMotion::kFault, NumberText(position_deg) + " degrees are no position");
   target_deg_ = position_deg;
   Advance(state_);

@@ -9,7 +9,7 @@ namespace turnlight::rig::serial::smc100 {
 namespace {
 
 // Well below what a capture allows (0.05 degrees), above a servo's play.
-constexpr double kArrivalTolerance_deg = 0.02;
+constexpr double kArrivalToleranceDeg = 0.02;
 // A stage that stands elsewhere for so long does not go on by itself.
 constexpr DeviceTime kAstrayWait = std::chrono::milliseconds(500);
 // Until the state must show what was taken.
@@ -79,7 +79,7 @@ void Smc100Protocol::Arrive() {
   const DeviceTime asked = *std::exchange(position_asked_, std::nullopt);
   const double off_deg = position_deg_ - target_deg_;
   const bool to_target = goal_ == Goal::kMove || (goal_ == Goal::kHome && to_zero_);
-  if (to_target && std::abs(off_deg) > kArrivalTolerance_deg) {
+  if (to_target && std::abs(off_deg) > kArrivalToleranceDeg) {
     if (!astray_since_) astray_since_ = now();
     if (now() - *astray_since_ < kAstrayWait)
       return Report(TableMotion::kMoving, position_deg_, "", asked);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestReply = 1000;
 // Well below what a capture allows (0.05 degrees), above an encoder's play.
-constexpr double kArrivalTolerance_deg = 0.02;
+constexpr double kArrivalToleranceDeg = 0.02;
 // An axis that stands elsewhere for so long does not go on by itself.
 constexpr DeviceTime kAstrayWait = std::chrono::milliseconds(500);
 
@@ -225,7 +225,7 @@ void ZaberProtocol::HandleCleared() {
 void ZaberProtocol::Stands() {
   if ((goal_ == Goal::kHome || goal_ == Goal::kMove) && !sent_) return;
   const double off_deg = position_deg_ - static_cast<double>(target_) / microsteps_per_deg_;
-  if (goal_ == Goal::kMove && std::abs(off_deg) > kArrivalTolerance_deg) {
+  if (goal_ == Goal::kMove && std::abs(off_deg) > kArrivalToleranceDeg) {
     if (!taken_) return SendCommandAgain();
     if (!astray_since_) astray_since_ = now();
     if (now() - *astray_since_ < kAstrayWait)

@@ -23,7 +23,7 @@ constexpr int kNegativeEnd = 0x0001, kPositiveEnd = 0x0002, kRmsCurrent = 0x0008
               kFollowingError = 0x0020, kHomingTimeout = 0x0040;
 
 const std::map<char, const char*>& ErrorTexts() {
-  static const std::map<char, const char*> texts = {
+  static const std::map<char, const char*> kTexts = {
       {'@', "No error"},
       {'A', "Unknown message code or floating point controller address"},
       {'B', "Controller address not correct"},
@@ -37,7 +37,7 @@ const std::map<char, const char*>& ErrorTexts() {
       {'K', "Command not allowed in READY state"},
       {'L', "Command not allowed in HOMING state"},
       {'M', "Command not allowed in MOVING state"}};
-  return texts;
+  return kTexts;
 }
 
 std::optional<double> Number(const std::string& text) {
