@@ -1,7 +1,7 @@
-// Proves of the program against simulated devices in another process, on their real protocols: a run
-// gives the frames of the mock rig byte by byte and its result; the simulator or the
-// capture killed in the middle, or Ctrl-C twice: it ends in time with its exit code, the motor stands,
-// and a resume completes the session to the same content; a replay of the log gives the session; a
+// Proves of the program against simulated devices in another process, on their real protocols: a
+// run gives the frames of the mock rig byte by byte and its result; the simulator or the capture
+// killed in the middle, or Ctrl-C twice: it ends in time with its exit code, the motor stands, and
+// a resume completes the session to the same content; a replay of the log gives the session; a
 // second program is refused at the port and at the camera and told who has it; no privileges are
 // needed. Does not prove: anything of real devices.
 #include <fcntl.h>
@@ -270,6 +270,23 @@ TEST_F(GrblProcess, ASecondProgramIsRefusedAndToldWhoIsThere) {
   ::kill(capture, SIGTERM);
   EXPECT_EQ(app::Finish(capture), 130);
   EXPECT_EQ(JournalLines(out_), 2u) << ReadText(out_ + ".err");
+}
+
+// A table without an encoder says that it stands where it does not, and goes on from there.
+TEST_F(GrblProcess, StepsLostByAnOpenLoopAreSeenByTheClosure) {
+  std::string sim = ReadText(sim_), rig = ReadText(rig_);
+  Replace(sim, "faults: {list: []}",
+          "faults: {list: [{at: {keyframe: 3}, fault: lost_steps, deg: 2}]}");
+  Replace(rig, "retries: 3", "retries: 3\n  closure: true");
+  WriteText(sim_, sim);
+  WriteText(rig_, rig);
+  const SimulatorProcess simulator(sim_, ready_);
+  const Outcome run = RunProgram({"capture", rig_, "--out", out_});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("not to be trusted"));
+  EXPECT_THAT(ReadText(ready_ + ".err"), HasSubstr("fault: lost_steps of the table"));
+  const Outcome verified = RunProgram({"verify", out_ + "/session"});
+  EXPECT_THAT(verified.out, HasSubstr("remark: closure: "));
 }
 
 // Everything as a user whom nothing belongs to.
