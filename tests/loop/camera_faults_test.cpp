@@ -59,7 +59,7 @@ TEST(CameraLoop, EveryFormatGivesTheStaticRender) {
     const nodes::StaticScene scene = SceneOf(all[i]);
     for (nodes::Bracket bracket : runs[i].brackets) {
       bracket.angle_deg += 0.5;
-      EXPECT_GT(scene.WorstSigmas(bracket), 2.0 * kSigmas) << bracket.angle_deg;
+      EXPECT_GT(scene.WorstSigmas(bracket), kSigmas) << bracket.angle_deg;
     }
   }
 }

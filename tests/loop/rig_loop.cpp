@@ -47,8 +47,8 @@ rig::sim::SimulationConfig World(const RigLoopOptions& options) {
   scene.target = rig::sim::Blob{};
   scene.motion.kind = rig::sim::MotionKind::kTable;
   scene.camera = {kWidth, kHeight, 200.0, std::nullopt};
-  scene.sensor.noise_relative = 0.0003;
-  scene.sensor.noise_shot = 0.001;
+  scene.sensor.noise_relative = 0.0001;
+  scene.sensor.noise_shot = 0.0002;
   scene.samples_per_side = 2;
   simulation.faults = options.faults;
   return simulation;
