@@ -1,5 +1,7 @@
 #include "rig/aravis/connection.h"
 
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "base/format.h"
@@ -13,6 +15,8 @@ namespace {
 // Bootstrap registers of GigE Vision.
 constexpr std::uint64_t kPrimaryApplicationPort = 0x0a04;
 constexpr std::uint64_t kPrimaryApplicationAddress = 0x0a14;
+
+constexpr std::chrono::milliseconds kHeartbeatOver(4000);
 
 bool IsAddress(const std::string& text) {
   const Owned<GInetAddress> address(g_inet_address_new_from_string(text.c_str()));
@@ -85,6 +89,18 @@ DeviceIdentity IdentityOf(ArvCamera* camera) {
   return identity;
 }
 
+// A program of this machine that was killed is in control until the camera misses its heartbeat, by
+// the standard 3 s; a client that lives stays.
+bool ControlComesFree(ArvGvDevice* device) {
+  const auto until = std::chrono::steady_clock::now() + kHeartbeatOver;
+  while (true) {
+    Failure failure;
+    if (arv_gv_device_take_control(device, failure.out())) return true;
+    if (std::chrono::steady_clock::now() >= until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+}
+
 // The same camera as before, locked, and under our control.
 Status MakeOurs(Connection& connection, CameraLock& lock, const std::optional<KnownCamera>& known) {
   const DeviceIdentity& identity = connection.identity;
@@ -103,6 +119,7 @@ Status MakeOurs(Connection& connection, CameraLock& lock, const std::optional<Kn
   if (Status taken = lock.Take(identity.vendor, serial); !taken) return taken;
   if (!connection.network) return {};
   if (arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return {};
+  if (!known && ControlComesFree(ARV_GV_DEVICE(device))) return {};
   Features features(device);
   return DeviceError("camera " + identity.serial + ": " + DescribeHolder(features));
 }

@@ -47,8 +47,8 @@ rig::sim::SimulationConfig World(const RigLoopOptions& options) {
   scene.target = rig::sim::Blob{};
   scene.motion.kind = rig::sim::MotionKind::kTable;
   scene.camera = {kWidth, kHeight, 200.0, std::nullopt};
-  scene.sensor.noise_relative = 0.0003;
-  scene.sensor.noise_shot = 0.001;
+  scene.sensor.noise_relative = 0.0001;
+  scene.sensor.noise_shot = 0.0002;
   scene.samples_per_side = 2;
   simulation.faults = options.faults;
   return simulation;
@@ -229,7 +229,13 @@ std::vector<RigLoopRun> RunAll(const std::vector<RigLoopOptions>& all) {
   std::vector<RigLoopRun> runs(all.size());
   std::vector<std::jthread> threads;
   for (std::size_t i = 0; i < all.size(); ++i)
-    threads.emplace_back([&, i] { runs[i] = RunRigLoop(all[i]); });
+    threads.emplace_back([&, i] {
+      try {
+        runs[i] = RunRigLoop(all[i]);
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << error.what();
+      }
+    });
   threads.clear();
   return runs;
 }

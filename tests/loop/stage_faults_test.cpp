@@ -2,7 +2,7 @@
 // scene at rest at its angle to within 5 sigma of its noise, whatever a serial line or a stage does
 // of what docs/faults.md lists; what cannot be gone on with ends in time with its reason and with
 // the motor standing. Built twice: through termios, and through libserialport. Does not prove:
-// anything of a real controller, nor of an open loop that lost steps (process_faults_test.cpp).
+// anything of a real controller, nor of an open loop that lost steps (process_test.cpp).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
