@@ -18,7 +18,7 @@ using rig::TableMotion;
 constexpr std::size_t kLongestLine = 80;
 constexpr rig::DeviceTime kAnswerWithin = std::chrono::milliseconds(500);
 constexpr rig::DeviceTime kPollEvery = std::chrono::milliseconds(50);
-constexpr int kTimesSent = 2;           // all requests are absolute: one that is repeated does no harm
+constexpr int kTimesSent = 2;  // all requests are absolute: one that is repeated does no harm
 constexpr double kArrivedWithin = 0.02;  // degrees
 
 class DialProtocol final : public rig::serial::LineProtocol {
@@ -120,8 +120,8 @@ std::unique_ptr<rig::serial::StageProtocol> MakeDialProtocol() {
 Result<rig::TableDevice> MakeDialTable(StrictObject keys) {
   rig::serial::SerialKeys read = rig::serial::ReadSerialKeys(keys, "dial", 9600);
   if (const Status status = keys.Finish(); !status) return Forward(status);
-  auto table = std::make_shared<rig::serial::SerialTurntable>(std::move(read.options),
-                                                              MakeDialProtocol());
+  auto table =
+      std::make_shared<rig::serial::SerialTurntable>(std::move(read.options), MakeDialProtocol());
   return rig::TableDevice{std::move(table), read.kinematics, true};
 }
 

@@ -1,6 +1,6 @@
-// A table driver as docs/hardware.md adds one: a turntable "dial" on a serial port, whose language is
-// made up for this. A request is a line, and so is its answer, which begins with "=", or "!" if it
-// is refused, and the request's word:
+// A table driver as docs/hardware.md adds one: a turntable "dial" on a serial port, whose language
+// is made up for this. A request is a line, and so is its answer, which begins with "=", or "!" if
+// it is refused, and the request's word:
 //
 //   ID          =ID DIAL 2 SN17
 //   AT          =AT READY 12.50        or MOVING, LOST (no reference), FAULT 12.50 in words
