@@ -42,9 +42,9 @@ constexpr char kFaults[] = R"(random:
 std::vector<rig::sim::FaultEntry> DrawFaults() {
   const auto document = ParseYaml(kFaults, "soak");
   if (!document) throw std::runtime_error(document.error().text);
-  auto faults = rig::sim::ReadFaultScript(StrictObject(*document),
-                                          {0.0, 10.0, kRevolutions * kPerRevolution},
-                                          rig::sim::FaultWorld::kRealProtocols);
+  auto faults =
+      rig::sim::ReadFaultScript(StrictObject(*document), {0.0, 10.0, kRevolutions * kPerRevolution},
+                                rig::sim::FaultWorld::kRealProtocols);
   if (!faults) throw std::runtime_error(faults.error().text);
   return std::move(*faults);
 }
@@ -88,7 +88,8 @@ class Diary {
     now_.rejected += static_cast<int>(bracket.rejected.size());
     if (++now_.frames < kPerRevolution) return;
     now_.at_end = Measure();
-    now_.at_end.memory_mb -= kRenderMb * kPerRevolution * static_cast<double>(1 + revolutions_.size());
+    now_.at_end.memory_mb -=
+        kRenderMb * kPerRevolution * static_cast<double>(1 + revolutions_.size());
     now_.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
     std::cout << Format("| %zu | %.0f | %d | %d | %.2f | %.1f | %zu | %zu |",
                         revolutions_.size() + 1, now_.seconds, now_.frames, now_.rejected,
@@ -138,7 +139,8 @@ TEST(Soak, TwentyRevolutionsWithFaults) {
   options.on_bracket = [&](const nodes::Bracket& bracket) { diary.Note(bracket); };
   const RigLoopRun run = RunCapture(options, place);
   std::map<std::string, int> counts;
-  for (const rig::sim::FaultEntry& entry : options.faults) ++counts[rig::sim::FaultWord(entry.kind)];
+  for (const rig::sim::FaultEntry& entry : options.faults)
+    ++counts[rig::sim::FaultWord(entry.kind)];
   std::cout << "\n" << options.faults.size() << " faults:";
   for (const auto& [word, count] : counts) std::cout << " " << word << " " << count;
   std::cout << "; " << simulated.faults().Remaining() << " did not strike" << std::endl;
