@@ -1,9 +1,9 @@
 // Proves of the program against simulated devices in another process, on their real protocols: a
 // run gives the frames of the mock rig byte by byte and its result; the simulator or the capture
 // killed in the middle, or Ctrl-C twice: it ends in time with its exit code, the motor stands, and
-// a resume completes the session to the same content; a replay of the log gives the session; a
-// second program is refused at the port and at the camera and told who has it; no privileges are
-// needed. Does not prove: anything of real devices.
+// a resume completes the session to the same content; a replay of the log gives the session and
+// the result; a second program is refused at the port and at the camera and told who has it; no
+// privileges are needed. Does not prove: anything of real devices.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,6 +16,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tests/app/program.h"
@@ -120,6 +121,11 @@ class LoopProcess : public testing::Test {
     WriteText(folder_ / "mock.yaml", text);
     return folder_ / "mock.yaml";
   }
+  static std::string ResultWithoutTimes(const std::string& out) {
+    auto json = nlohmann::json::parse(ReadText(out + "/result/result.json"));
+    json.erase("time_s");
+    return json.dump();
+  }
   static std::size_t JournalLines(const std::string& out) {
     return app::Lines(out + "/session/journal.jsonl");
   }
@@ -172,13 +178,18 @@ TEST_P(LoopProcessOf, GivesTheMocksFramesAndResultAndSoDoesItsReplay) {
   const Outcome replayed = RunProgram({"replay", out_ + "/log", "--out", again});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
   EXPECT_EQ(app::ContentOf(again + "/session"), app::ContentOf(out_ + "/session"));
+  EXPECT_EQ(ResultWithoutTimes(again), ResultWithoutTimes(out_));
 }
 
-// The frames are safe, and with a simulator begun anew the session is completed as if nothing had
-// been.
+// The frames are safe, and with a simulator begun anew, whose port has another name behind the
+// link, the session is completed as if nothing had been.
 TEST_P(LoopProcessOf, ASimulatorKilledInMidCaptureEndsItInTimeAndItResumes) {
   SimulatorProcess simulator(sim_, ready_);
   const pid_t capture = StartCapture(rig_, out_, 4);
+  const fs::path port = fs::read_symlink(folder_ / "port");
+  // As the system does with a device that is gone. A link to a name that came free would lead the
+  // capture to another test's stage.
+  fs::remove(folder_ / "port");
   simulator.Kill();
   const auto killed = std::chrono::steady_clock::now();
   EXPECT_EQ(app::Finish(capture), 4) << ReadText(out_ + ".err");
@@ -187,8 +198,11 @@ TEST_P(LoopProcessOf, ASimulatorKilledInMidCaptureEndsItInTimeAndItResumes) {
   RecordProperty("seconds_to_the_end", std::to_string(after.count()));
   EXPECT_GE(JournalLines(out_), 4u);
   EXPECT_THAT(ReadText(out_ + ".err"), HasSubstr("the others are safe; turnlight resume"));
+  const int names_taken = ::posix_openpt(O_RDWR | O_NOCTTY);  // the one that came free
   const SimulatorProcess anew(sim_, folder_ / "anew");
+  EXPECT_NE(fs::read_symlink(folder_ / "port"), port);
   ExpectResumeCompletes(out_);
+  ::close(names_taken);
 }
 
 TEST_P(LoopProcessOf, ACaptureKilledResumes) {
@@ -199,7 +213,7 @@ TEST_P(LoopProcessOf, ACaptureKilledResumes) {
   ExpectResumeCompletes(out_);
 }
 
-INSTANTIATE_TEST_SUITE_P(Firmwares, LoopProcessOf, testing::Values("grbl", "zaber"),
+INSTANTIATE_TEST_SUITE_P(Firmwares, LoopProcessOf, testing::Values("grbl", "zaber", "smc100"),
                          [](const auto& info) { return std::string(info.param); });
 
 // What a GRBL says of itself to whoever opens its port: "<Idle|MPos:1.000,0.000,0.000".
@@ -233,6 +247,14 @@ class GrblProcess : public LoopProcess {
     Replace(sim, "firmware: grbl", "firmware: grbl\n    reset_on_open: false");
     WriteText(sim_, sim);
   }
+  void ExpectTheMotorStands() const {
+    const std::string first = GrblStatus(folder_ / "port");
+    ::usleep(300'000);
+    const std::string second = GrblStatus(folder_ / "port");
+    EXPECT_THAT(first, HasSubstr("<Idle|MPos:"));
+    EXPECT_EQ(first, second);
+    EXPECT_EQ(JournalLines(out_), 2u);
+  }
 };
 
 TEST_F(GrblProcess, CtrlCTwiceInAMoveStopsTheMotor) {
@@ -244,12 +266,16 @@ TEST_F(GrblProcess, CtrlCTwiceInAMoveStopsTheMotor) {
   EXPECT_EQ(::waitpid(capture, nullptr, WNOHANG), 0) << "it waits for the move";
   ::kill(capture, SIGINT);
   EXPECT_EQ(app::Finish(capture), 130) << ReadText(out_ + ".err");
-  const std::string first = GrblStatus(folder_ / "port");
-  ::usleep(300'000);
-  const std::string second = GrblStatus(folder_ / "port");
-  EXPECT_THAT(first, HasSubstr("<Idle|MPos:"));
-  EXPECT_EQ(first, second);
-  EXPECT_EQ(JournalLines(out_), 2u);
+  ExpectTheMotorStands();
+}
+
+TEST_F(GrblProcess, SigtermInAMoveStopsTheMotor) {
+  const SimulatorProcess simulator(sim_, ready_);
+  const pid_t capture = StartCapture(SlowRig(), out_, 2);
+  ::usleep(600'000);
+  ::kill(capture, SIGTERM);
+  EXPECT_EQ(app::Finish(capture), 130) << ReadText(out_ + ".err");
+  ExpectTheMotorStands();
 }
 
 // The port and the camera each by themselves.
