@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <opencv2/core.hpp>
+#include <regex>
 #include <thread>
 
 #include "rig/session/session.h"
@@ -165,7 +166,24 @@ TEST(Config, TheExamplesOfRealRigsAreGoodBesideACalibration) {
     WriteText(folder / "target.ply", ReadText(configs + "hil/target.ply"));
     const Outcome checked = RunProgram({"config", "check", folder / rig.file});
     EXPECT_EQ(checked.exit_code, 0) << checked.err;
+    // So is what it shows as a remark.
+    const std::string all = std::regex_replace(ReadText(configs + rig.file),
+                                               std::regex("\n    # ([a-z_]+:)"), "\n    $1");
+    WriteText(folder / rig.file, std::regex_replace(all, std::regex("\n    port: [^\n]*"), ""));
+    const Outcome remarks = RunProgram({"config", "check", folder / rig.file});
+    EXPECT_EQ(remarks.exit_code, 0) << remarks.err;
   }
+}
+
+// From the loop to a rig: other devices, times and plan, the same graph.
+TEST(Config, ARealRigHasTheGraphOfTheLoop) {
+  const auto graph_of = [](const std::string& name) {
+    const std::string text = ReadText(TURNLIGHT_SOURCE_DIR "/configs/" + name);
+    return std::regex_replace(text.substr(text.find("\ngraph:")),
+                              std::regex("lost_timeout_s: [^\n]*"), "");
+  };
+  EXPECT_EQ(graph_of("rig_grbl_gige.yaml"), graph_of("hil_grbl.yaml"));
+  EXPECT_EQ(graph_of("rig_zaber_usb3.yaml"), graph_of("hil_zaber.yaml"));
 }
 
 // To a step of the pictures, not to the byte: the processor's sine may differ in the last bit.
