@@ -194,7 +194,7 @@ TEST_P(LoopProcessOf, ASimulatorKilledInMidCaptureEndsItInTimeAndItResumes) {
   const auto killed = std::chrono::steady_clock::now();
   EXPECT_EQ(app::Finish(capture), 4) << ReadText(out_ + ".err");
   const std::chrono::duration<double> after = std::chrono::steady_clock::now() - killed;
-  EXPECT_LT(after.count(), 6.0) << ReadText(out_ + ".err");
+  EXPECT_LT(after.count(), 20.0) << ReadText(out_ + ".err");
   RecordProperty("seconds_to_the_end", std::to_string(after.count()));
   EXPECT_GE(JournalLines(out_), 4u);
   EXPECT_THAT(ReadText(out_ + ".err"), HasSubstr("the others are safe; turnlight resume"));

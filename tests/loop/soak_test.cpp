@@ -1,8 +1,8 @@
 // Proves, at length: twenty revolutions in real time, each a capture of its own with a seeded fault
 // of table or camera at about every eighth keyframe, give every frame, each of them the static
 // render at its angle to within 5 sigma; memory, descriptors and threads do not grow. Labelled
-// soak: ten minutes of `ctest --preset release -L soak`. Does not prove: anything of real devices;
-// memory is that of drivers and simulated devices together, as they share the process.
+// soak: eight minutes of `ctest --preset release -L soak`. Does not prove: anything of real
+// devices; memory is that of drivers and simulated devices together, as they share the process.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
