@@ -1,0 +1,13 @@
+#include "app/calibrate/calibrate_commands.h"
+#include "app/command.h"
+
+namespace turnlight::app {
+
+void AddCalibrate(CLI::App& program, Action& action) {
+  CLI::App* calibrate = program.add_subcommand(
+      "calibrate", "From pictures to a rig's calibration, each part with its uncertainty");
+  calibrate->require_subcommand(1);
+  static_cast<void>(action);
+}
+
+}  // namespace turnlight::app
