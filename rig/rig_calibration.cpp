@@ -116,6 +116,8 @@ std::array<int, 2> ReadPair(StrictObject& object, const char* key, double min,
   return value;
 }
 
+}  // namespace
+
 Status ReadDevices(StrictObject object, CalibratedDevices& devices) {
   StrictObject camera = object.Object("camera"), table = object.Object("table");
   devices.lens = object.OptionalString("lens").value_or("");
@@ -130,6 +132,8 @@ Status ReadDevices(StrictObject object, CalibratedDevices& devices) {
   devices.table = ReadDevice(table);
   return table.Finish();
 }
+
+namespace {
 
 // What the parts say together.
 Status CheckTogether(const RigCalibration& calibration) {
@@ -212,6 +216,8 @@ ordered_json PrintDevice(const DeviceIdentity& device) {
   return {{"vendor", device.vendor}, {"model", device.model}, {"serial", device.serial}};
 }
 
+}  // namespace
+
 ordered_json PrintDevices(const CalibratedDevices& devices) {
   ordered_json camera = PrintDevice(devices.camera);
   camera["resolution"] = std::array{devices.resolution.width, devices.resolution.height};
@@ -219,6 +225,8 @@ ordered_json PrintDevices(const CalibratedDevices& devices) {
   camera["binning"] = devices.binning;
   return {{"camera", camera}, {"table", PrintDevice(devices.table)}, {"lens", devices.lens}};
 }
+
+namespace {
 
 std::string PrintCalibration(const RigCalibration& calibration, const std::string& lens_path,
                              const std::string& lens_text) {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -31,6 +32,10 @@ struct CalibratedDevices {
   std::array<int, 2> binning{1, 1};
   std::string lens;  // a note for people: which lens, its focus and aperture
 };
+
+// The key identity of a calibration and of a raw capture.
+Status ReadDevices(StrictObject object, CalibratedDevices& devices);
+nlohmann::ordered_json PrintDevices(const CalibratedDevices& devices);
 
 // Symmetric, with no negative variance. Of poses 6 x 6: of a rotation vector w (radians, in the
 // axes of the pose's first frame) and of a shift d (length unit), as R -> Exp(w) R, t -> t + d.
