@@ -19,6 +19,8 @@ constexpr std::size_t kFewestForHomography = 4;
 constexpr double kFarOff = 6.0;        // medians of the distances
 constexpr double kFarOffAtLeast = 2e-4;  // of the distance to the board: 0.2 px at 1000 px
 constexpr int kRounds = 3;
+// Of distances in the picture: a tilt that fits so much worse than the other is no candidate.
+constexpr double kWorseTilt = 2.0;
 
 struct Rays {
   std::vector<std::size_t> place;       // in the view
@@ -91,21 +93,32 @@ std::vector<Pose> Solve(const Rays& rays, const std::vector<bool>& fits) {
   return poses;
 }
 
-// Which points of the view lie near where the pose has them; of the others the fit should be free.
-std::vector<bool> Fitting(const Rays& rays, const Pose& X_CB, std::size_t places) {
-  std::vector<double> miss;
+// How far each point is from where the pose has it, in the picture of D.
+std::vector<double> Misses(const Rays& rays, const Pose& X_CB) {
+  std::vector<double> misses;
   for (std::size_t i = 0; i < rays.place.size(); ++i) {
     const Eigen::Vector3d p_D =
         rays.R_CD.transpose() *
         (X_CB * Eigen::Vector3d(rays.p_B[i].x, rays.p_B[i].y, rays.p_B[i].z));
-    miss.push_back(std::hypot(p_D.x() / p_D.z() - rays.normalised[i].x,
-                              p_D.y() / p_D.z() - rays.normalised[i].y));
+    misses.push_back(std::hypot(p_D.x() / p_D.z() - rays.normalised[i].x,
+                                p_D.y() / p_D.z() - rays.normalised[i].y));
   }
-  std::vector<double> sorted = miss;
+  return misses;
+}
+
+// Which points of the view lie near where the pose has them; of the others the fit should be free.
+std::vector<bool> Fitting(const Rays& rays, const Pose& X_CB, std::size_t places) {
+  const std::vector<double> misses = Misses(rays, X_CB);
+  std::vector<double> sorted = misses;
   const double limit = std::max(kFarOff * Median(sorted), kFarOffAtLeast);
   std::vector<bool> fits(places, false);
-  for (std::size_t i = 0; i < rays.place.size(); ++i) fits[rays.place[i]] = miss[i] <= limit;
+  for (std::size_t i = 0; i < misses.size(); ++i) fits[rays.place[i]] = misses[i] <= limit;
   return fits;
+}
+
+double MedianMiss(const Rays& rays, const Pose& X_CB) {
+  std::vector<double> misses = Misses(rays, X_CB);
+  return Median(misses);
 }
 
 }  // namespace
@@ -121,6 +134,9 @@ BoardPoses GuessBoardPoses(const board::Board& board, const CameraModel& camera,
     if (guess.X_CB.empty()) break;
     guess.fits = Fitting(rays, guess.X_CB.front(), view.points.size());
   }
+  if (guess.X_CB.size() > 1 && MedianMiss(rays, guess.X_CB[1]) >
+                                   kWorseTilt * MedianMiss(rays, guess.X_CB[0]))
+    guess.X_CB.resize(1);
   return guess;
 }
 

@@ -21,9 +21,6 @@ constexpr double kAngleTolerance = DegToRad(4.0);
 // Two views this far apart, or as near to a whole turn, tell no axis.
 constexpr double kSmallestTurn = DegToRad(0.5);
 constexpr std::size_t kMostSeedViews = 40;
-// Of sums of squared angles; other axes than the true one fit much worse than this.
-constexpr double kAmbiguousRatio = 2.0;
-constexpr double kAmbiguousFloor = 1e-4;  // rad^2 a view: half a degree
 
 double Wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
@@ -161,7 +158,7 @@ tl::unexpected<Error> NoTurning(std::size_t fitting, std::size_t views) {
 
 }  // namespace
 
-Result<TurningBoard> FindTurning(const std::vector<TurningView>& views,
+Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& views,
                                  const std::vector<Pose>& turns) {
   std::vector<std::size_t> order(views.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -181,16 +178,18 @@ Result<TurningBoard> FindTurning(const std::vector<TurningView>& views,
         reverse = std::move(walk);
       }
     }
-  const std::size_t fitting = best ? Fitting(best->board) : 0;
-  if (2 * fitting <= views.size() || fitting < 2) return NoTurning(fitting, views.size());
-  const double floor = kAmbiguousFloor * static_cast<double>(views.size());
-  if (reverse && reverse->cost < kAmbiguousRatio * best->cost + floor)
-    return NoEstimateError(
-        "the board looks the same from " + std::to_string(turns.size()) +
-        " sides, and the angles do not tell which way it turns; take views at angles that are no "
-        "multiples of " + NumberText(180.0 / static_cast<double>(turns.size())) + " degrees apart");
-  best->board.scale = ScaleOf(views, best->board);
-  return best->board;
+  std::vector<TurningBoard> boards;
+  std::size_t most = 0;
+  for (std::optional<Walk>* walk : {&best, &reverse}) {
+    if (!*walk) continue;
+    const std::size_t fitting = Fitting((*walk)->board);
+    most = std::max(most, fitting);
+    if (2 * fitting <= views.size() || fitting < 2) continue;
+    (*walk)->board.scale = ScaleOf(views, (*walk)->board);
+    boards.push_back(std::move((*walk)->board));
+  }
+  if (boards.empty()) return NoTurning(most, views.size());
+  return boards;
 }
 
 }  // namespace turnlight::calib::calibrate::axis

@@ -30,11 +30,11 @@ struct TurningBoard {
   std::size_t reference = 0;
 };
 
-// turns: the board in frame B' is where it would be numbered otherwise, X_CB' = X_CB X_BB'; the
+// The candidates, the best first: where the board looks the same turning the other way, or nearly
+// so, that one too. turns: the board in frame B' is where it would be numbered otherwise, X_CB' = X_CB X_BB'; the
 // first is the identity. The reference view keeps its numbering: which corner is point 0 is a
-// choice. Fails (kNoEstimate): no axis that at least half of the views turn about; two axes that do
-// equally well, as the table's angles are multiples of the board's symmetry.
-Result<TurningBoard> FindTurning(const std::vector<TurningView>& views,
+// choice. Fails (kNoEstimate): no axis that more than half of the views turn about.
+Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& views,
                                  const std::vector<Pose>& turns);
 
 }  // namespace turnlight::calib::calibrate::axis
