@@ -49,7 +49,8 @@ Status ReadRawFrames(const std::vector<StrictObject>& objects, RawCapture& captu
   for (std::size_t i = 0; i < objects.size(); ++i) {
     auto frame = ReadRawFrame(objects[i]);
     if (!frame) return Forward(frame);
-    const auto [first, is_new] = seen.emplace(fs::path(frame->image).lexically_normal().string(), i);
+    const auto [first, is_new] =
+        seen.emplace(fs::path(frame->image).lexically_normal().string(), i);
     if (!is_new)
       return InputError(objects[i].Where("image") + ": \"" + frame->image + "\", that is frames/" +
                         std::to_string(first->second) + " already; allowed is a picture each");
@@ -107,11 +108,12 @@ ordered_json PrintRawFrame(const RawCaptureFrame& frame) {
 }
 
 std::string PrintRawCapture(const RawCapture& capture) {
-  const std::pair<const char*, ordered_json> parts[] = {{"format", kFormat},
-                                                        {"version", 1},
-                                                        {"name", capture.name},
-                                                        {"radiometry", PrintNominal(capture)},
-                                                        {"identity", PrintDevices(capture.devices)}};
+  const std::pair<const char*, ordered_json> parts[] = {
+      {"format", kFormat},
+      {"version", 1},
+      {"name", capture.name},
+      {"radiometry", PrintNominal(capture)},
+      {"identity", PrintDevices(capture.devices)}};
   std::string text = "{\n";
   for (const auto& [key, value] : parts)
     text += " \"" + std::string(key) + "\": " + value.dump() + ",\n";
@@ -167,9 +169,8 @@ Result<cv::Mat> ReadRawImage(const RawCapture& capture, std::size_t frame, Mosai
   const auto located = Locate(capture.root, PathOf(capture, frame));
   if (!located) return Forward(located);
   try {
-    auto image =
-        ReadNamedImage(*located, "frames/" + std::to_string(frame) + "/sha256",
-                       capture.frames[frame].sha256, capture.devices.resolution);
+    auto image = ReadNamedImage(*located, "frames/" + std::to_string(frame) + "/sha256",
+                                capture.frames[frame].sha256, capture.devices.resolution);
     if (!image || !capture.bayer || mosaic == Mosaic::kAsRecorded) return image;
     const Status status = Demosaic(*capture.bayer, located->string(), *image);
     if (!status) return Forward(status);

@@ -24,8 +24,8 @@ class RawCaptureTest : public testing::Test {
     std::filesystem::create_directories(root() / "frames");
     capture_.name = "first";
     capture_.radiometry.white = 65535.0;
-    capture_.devices = {{"Maker", "C", "77"}, {"Other", "T", ""}, {kWidth, kHeight},
-                        {8, 16},              {2, 2},             "50 mm"};
+    capture_.devices = {
+        {"Maker", "C", "77"}, {"Other", "T", ""}, {kWidth, kHeight}, {8, 16}, {2, 2}, "50 mm"};
     for (const char* image : {"frames/a.png", "frames/b.png"}) {
       ASSERT_TRUE(WriteImage(root() / image, Pattern(CV_16UC1)));
       RawCaptureFrame frame;
