@@ -11,10 +11,10 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kSeedFit = 0.06;    // of nine corners by a homography, of their distance
-constexpr double kGrowFit = 0.18;    // of a new corner from where it is expected, likewise
-constexpr int kReach = 3;            // rows and columns around, from which it is expected
-constexpr double kSameEdge = 0.85;   // cosine between an edge and the direction of its row
+constexpr double kSeedFit = 0.06;   // of nine corners by a homography, of their distance
+constexpr double kGrowFit = 0.18;   // of a new corner from where it is expected, likewise
+constexpr int kReach = 3;           // rows and columns around, from which it is expected
+constexpr double kSameEdge = 0.85;  // cosine between an edge and the direction of its row
 
 using Where = std::pair<int, int>;
 
@@ -62,7 +62,8 @@ SaddleGrid Grower::BestSeed(const SaddleGrid& linked) const {
     for (int row = -1; row <= 1; ++row)
       for (int column = -1; column <= 1; ++column) {
         const auto found = linked.find({centre.first + column, centre.second + row});
-        if (found == linked.end() || used_[static_cast<std::size_t>(found->second.saddle)]) continue;
+        if (found == linked.end() || used_[static_cast<std::size_t>(found->second.saddle)])
+          continue;
         block.insert(*found);
         places.emplace_back(column, row);
         pixels.push_back(Pixel(found->second));

@@ -7,9 +7,9 @@
 
 namespace turnlight::calib::calibrate::board {
 
-// The H for which H (from, 1) is proportional to (to, 1), least squares of the algebraic error after
-// Hartley's normalisation (In Defense of the Eight-Point Algorithm, 1997). Nothing from fewer than four
-// points, or where they do not determine it. weights, if not empty, one for each point.
+// The H for which H (from, 1) is proportional to (to, 1), least squares of the algebraic error
+// after Hartley's normalisation (In Defense of the Eight-Point Algorithm, 1997). Nothing from fewer
+// than four points, or where they do not determine it. weights, if not empty, one for each point.
 std::optional<Eigen::Matrix3d> FitHomography(const std::vector<Eigen::Vector2d>& from,
                                              const std::vector<Eigen::Vector2d>& to,
                                              const std::vector<double>& weights = {});

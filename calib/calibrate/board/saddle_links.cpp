@@ -8,8 +8,8 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kAcross = 0.2;       // a neighbour's distance from the edge's line, of that along it
-constexpr double kAligned = 0.9;      // cosine between the line to a neighbour and its own edge
+constexpr double kAcross = 0.2;   // a neighbour's distance from the edge's line, of that along it
+constexpr double kAligned = 0.9;  // cosine between the line to a neighbour and its own edge
 constexpr double kEdgeContrast = 0.3;  // across an edge, of the corners' contrast
 constexpr int kNone = -1;
 

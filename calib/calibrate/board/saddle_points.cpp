@@ -9,14 +9,14 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kBlur = 1.5;              // pixels, before the second derivatives
-constexpr double kRing = 4.5;              // pixels; squares narrower than this are not seen
-constexpr int kRingSamples = 32;           // 0.9 pixels apart
+constexpr double kBlur = 1.5;               // pixels, before the second derivatives
+constexpr double kRing = 4.5;               // pixels; squares narrower than this are not seen
+constexpr int kRingSamples = 32;            // 0.9 pixels apart
 constexpr std::size_t kMostSaddles = 3000;  // bounds the pairs that are looked at later
-constexpr double kLeastContrast = 10.0;    // of 255 levels
+constexpr double kLeastContrast = 10.0;     // of 255 levels
 // Of sqrt(Ixy^2 - Ixx Iyy): a corner of contrast c seen with blur s has c / (pi s^2).
 constexpr double kLeastResponse = 0.7;
-constexpr double kMostBend = 0.35;         // radians between an edge and the one that continues it
+constexpr double kMostBend = 0.35;  // radians between an edge and the one that continues it
 
 cv::Mat SaddleResponse(const cv::Mat& picture) {
   cv::Mat blurred, xx, yy, xy;
@@ -55,8 +55,8 @@ double Angle(int sample) { return 2.0 * std::numbers::pi * sample / kRingSamples
 std::array<double, kRingSamples> Ring(const cv::Mat& picture, const Eigen::Vector2d& centre) {
   std::array<double, kRingSamples> raw;
   for (int i = 0; i < kRingSamples; ++i)
-    raw[static_cast<std::size_t>(i)] = LevelAt(
-        picture, centre + kRing * Eigen::Vector2d(std::cos(Angle(i)), std::sin(Angle(i))));
+    raw[static_cast<std::size_t>(i)] =
+        LevelAt(picture, centre + kRing * Eigen::Vector2d(std::cos(Angle(i)), std::sin(Angle(i))));
   std::array<double, kRingSamples> ring;
   for (std::size_t i = 0; i < ring.size(); ++i)
     ring[i] = (raw[(i + raw.size() - 1) % raw.size()] + raw[i] + raw[(i + 1) % raw.size()]) / 3.0;
@@ -78,8 +78,8 @@ std::vector<double> Crossings(const std::array<double, kRingSamples>& ring, doub
   return angles;
 }
 
-// The angle of the line through two nearly opposite directions, as seen from the first; nothing where
-// they are not.
+// The angle of the line through two nearly opposite directions, as seen from the first; nothing
+// where they are not.
 std::optional<double> LineAngle(double first, double second) {
   const double bend = std::remainder(second - first - std::numbers::pi, 2.0 * std::numbers::pi);
   if (std::abs(bend) > kMostBend) return std::nullopt;

@@ -1,8 +1,8 @@
 // Where the corners of four squares may be: saddle points of a picture's levels.
 //
-// A saddle is a maximum of Ixy^2 - Ixx Iyy (after a blur) whose surrounding circle changes four times
-// between dark and bright, each change opposite to another one. From the four changes follow the
-// directions of the two edges that cross there.
+// A saddle is a maximum of Ixy^2 - Ixx Iyy (after a blur) whose surrounding circle changes four
+// times between dark and bright, each change opposite to another one. From the four changes follow
+// the directions of the two edges that cross there.
 #pragma once
 
 #include <Eigen/Core>
