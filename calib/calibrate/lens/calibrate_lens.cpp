@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kLeastPoints = 6;
 constexpr double kMaxUncertainty = 0.05;  // of the picture's diagonal: then there is no calibration
 constexpr double kLargeUncertaintyPx = 1.0;
+constexpr double kBadFitPx = 2.0;  // rms per axis: more than any corner that was found is off
 constexpr double kSmallTiltDeg = 15.0;  // between two boards: less tells little of the focal length
 
 struct Chosen {
@@ -199,6 +200,15 @@ double UncertaintyWherePointsAre(const LensCalibration& calibration) {
   return sigmas.empty() ? std::numeric_limits<double>::infinity() : Median(sigmas);
 }
 
+// What a fit this bad says, or nothing.
+std::string MisfitAdvice(double rms_px, const std::string& lens_model) {
+  if (rms_px < kBadFitPx) return "";
+  return Format("The points lie %.3g px (rms per axis) off where %s puts them: it is not the model "
+                "of this lens, or the corners are bad. OPENCV8 suits most lenses, a splined model "
+                "fisheyes. ",
+                rms_px, lens_model.c_str());
+}
+
 std::string TiltAdvice(double tilt_deg, std::size_t views) {
   std::string advice = Format("%zu views, tilted against each other by at most %.0f degrees", views,
                               tilt_deg);
@@ -217,7 +227,10 @@ Status Judge(LensCalibration& result) {
                                   "projection is uncertain by %.3g px (allowed is 5 %% of the "
                                   "picture's diagonal, %.3g px). ",
                                   sigma, kMaxUncertainty * diagonal) +
+                           MisfitAdvice(result.rms_px, result.camera().lens_model()) +
                            TiltAdvice(tilt, result.views.size()));
+  if (result.rms_px >= kBadFitPx)
+    result.notes.push_back(MisfitAdvice(result.rms_px, result.camera().lens_model()));
   if (sigma > kLargeUncertaintyPx || tilt < kSmallTiltDeg)
     result.notes.push_back(Format("A projection is uncertain by %.3g px where the points are. ",
                                   sigma) +
@@ -260,6 +273,7 @@ Result<LensCalibration> CalibrateLens(const board::Board& board,
     result.dropped.push_back({chosen.picture[drop.view], chosen.board[drop.view], drop.reason});
   if (!covariance)
     return NoEstimateError("the views do not determine the lens: the equations are singular. " +
+                           MisfitAdvice(noise.rms_px, options.lens_model) +
                            TiltAdvice(LargestTiltBetween(result.views), result.views.size()));
   result.warp_fitted = fit->pass.warp;
   result.warp = {fit->problem.warp.x2, fit->problem.warp.y2};

@@ -11,9 +11,6 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Of the squared diagonal of the factor: below it a direction is not determined in double precision.
-constexpr double kLeastPivot = 1e-14;
-
 Matrix3d CrossMatrix(const Vector3d& v) {
   Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -78,8 +75,7 @@ std::optional<Eigen::MatrixXd> CalibrationCovariance(const Problem& problem,
   const Sparse information = observed.transpose() * observed;
   const Eigen::SimplicialLDLT<Sparse> factor(all);
   if (factor.info() != Eigen::Success) return std::nullopt;
-  const Eigen::VectorXd pivots = factor.vectorD();
-  if (!(pivots.minCoeff() > kLeastPivot * pivots.maxCoeff())) return std::nullopt;
+  if (!(factor.vectorD().minCoeff() > 0.0)) return std::nullopt;
   const Eigen::MatrixXd solved = factor.solve(Derivatives(problem, linear));
   const Eigen::MatrixXd covariance = solved.transpose() * (information * solved);
   if (!covariance.allFinite()) return std::nullopt;

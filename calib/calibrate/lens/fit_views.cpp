@@ -19,6 +19,8 @@ constexpr double kMisfitRatio = 5.0;
 constexpr double kMisfitPx = 1.0;
 constexpr double kMostOutliers = 0.5;  // of a view's points
 constexpr int kMaxRounds = 6;
+// Points so near to where they should be, on average, are those of the right fit: no other is tried.
+constexpr double kGoodFitPx = 1.0;
 constexpr std::size_t kWarpViews = 3, kLeastViews = 2;
 
 std::vector<board::BoardView> Chosen(const std::vector<board::BoardView>& views,
@@ -40,14 +42,17 @@ std::vector<double> ExpandCore(const std::array<double, 4>& core, const mrcal_le
   return intrinsics;
 }
 
-// Sum of the distances of all points from where they should be: less moved by what is far off than
-// the sum of squares that the optimizer minimizes.
+// Mean distance of all points from where they should be: less moved by what is far off than the sum
+// of squares that the optimizer minimizes.
 double Misfit(const Problem& problem) {
-  double sum = 0.0;
+  double sum = 0.0, count = 0.0;
   for (std::size_t view = 0; view < problem.poses.size(); ++view)
     for (const Eigen::Vector2d& residual : Residuals(problem, view))
-      if (!residual.hasNaN()) sum += residual.norm();
-  return sum;
+      if (!residual.hasNaN()) {
+        sum += residual.norm();
+        count += 1.0;
+      }
+  return sum / count;
 }
 
 struct Fit {
@@ -92,6 +97,7 @@ std::optional<Fit> FitOnce(const std::array<int, 2>& image_size, const board::Bo
     if (best && !(misfit < (1.0 - 1e-6) * least)) continue;
     least = misfit;
     best = std::move(fit);
+    if (least < kGoodFitPx) break;
   }
   return best;
 }

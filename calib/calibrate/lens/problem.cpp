@@ -1,6 +1,8 @@
 #include "calib/calibrate/lens/problem.h"
 
+#include <fcntl.h>
 #include <suitesparse/cholmod.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -34,6 +36,27 @@ std::vector<mrcal_observation_board_t> BoardObservations(std::size_t count) {
     observations[i] = {.icam = {.intrinsics = 0, .extrinsics = -1}, .iframe = static_cast<int>(i)};
   return observations;
 }
+
+// mrcal and what it builds on say on standard error what they do on the way, outliers and steps that
+// failed: nothing that a user of the result needs. While one of these lives, it goes nowhere.
+class SilentStandardError {
+ public:
+  SilentStandardError() : kept_(dup(STDERR_FILENO)) {
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (kept_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) close(nowhere);
+  }
+  ~SilentStandardError() {
+    if (kept_ < 0) return;
+    dup2(kept_, STDERR_FILENO);
+    close(kept_);
+  }
+  SilentStandardError(const SilentStandardError&) = delete;
+  SilentStandardError& operator=(const SilentStandardError&) = delete;
+
+ private:
+  const int kept_;
+};
 
 struct Steps {
   int spacing = 1, marker = 1;  // in cells of the fine grid
@@ -124,6 +147,7 @@ mrcal_pose_t ToMrcal(const Pose& pose) {
 bool Optimize(Problem& problem, const Pass& pass) {
   const auto observations = BoardObservations(problem.poses.size());
   const int views = static_cast<int>(problem.poses.size());
+  const SilentStandardError silence;
   const mrcal_stats_t stats = mrcal_optimize(
       nullptr, 0, nullptr, 0, problem.intrinsics.data(), nullptr, problem.poses.data(), nullptr,
       &problem.warp, 1, 0, views, 0, 0, observations.data(), nullptr, views, 0,

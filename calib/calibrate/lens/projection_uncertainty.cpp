@@ -60,6 +60,27 @@ double WorstSigma(const Eigen::Matrix2d& c) {
   return std::sqrt(mean + std::sqrt(half * half + c(0, 1) * c(1, 0)));
 }
 
+Eigen::MatrixXd PixelDerivatives(const CameraModel& camera,
+                                 const std::vector<Eigen::Vector2d>& pixels) {
+  mrcal_lensmodel_t model{};
+  mrcal_lensmodel_from_name(&model, camera.lens_model().c_str());
+  const auto rays = camera.Unproject(pixels);
+  Eigen::MatrixXd derivatives =
+      Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(pixels.size()),
+                            static_cast<Eigen::Index>(camera.intrinsics().size()) + 3);
+  ParallelFor(pixels.size(), [&](std::size_t i) {
+    auto rows = derivatives.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    if (rays[i].hasNaN()) {
+      rows.setConstant(std::numeric_limits<double>::quiet_NaN());
+      return;
+    }
+    const Gradient gradient = GradientAt(model, camera.intrinsics(), rays[i], true);
+    for (std::size_t k = 0; k < gradient.columns.size(); ++k)
+      rows.col(gradient.columns[k]) = gradient.values.col(static_cast<Eigen::Index>(k));
+  });
+  return derivatives;
+}
+
 std::vector<Eigen::Matrix2d> ProjectionUncertainty::At(const std::vector<Eigen::Vector2d>& pixels,
                                                        std::optional<double> distance) const {
   mrcal_lensmodel_t model{};
