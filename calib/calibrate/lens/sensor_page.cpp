@@ -11,8 +11,10 @@ constexpr int kLeft = 76, kBelow = 74, kBarRoom = 96;
 constexpr double kMaxWidth = 760.0, kMaxHeight = 620.0;
 
 std::vector<plot::Tick> PixelTicks(int size) {
-  std::vector<plot::Tick> ticks = plot::LinearTicks(size);
-  if (size < 7) ticks.resize(1);
+  std::vector<plot::Tick> ticks;
+  const int step = std::max(1, static_cast<int>(plot::RoundUp(size / 6.0)));
+  for (int at = 0; at <= size; at += step)
+    ticks.push_back({static_cast<double>(at) / size, std::to_string(at)});
   return ticks;
 }
 
@@ -69,8 +71,9 @@ void DrawLogMap(SensorPage& sensor, const ImageGrid& grid, const std::vector<dou
                                : std::numeric_limits<double>::quiet_NaN());
     }
   plot::Place(sensor.page, map, sensor.area.tl());
-  plot::DrawScaleBeside(sensor.page, sensor.area, plot::SequentialColour, plot::LogTicks(axis),
-                        unit);
+  std::vector<plot::Tick> ticks = plot::LogTicks(axis);
+  for (plot::Tick& tick : ticks) tick.at = 1.0 - tick.at;  // of a bar they count from below
+  plot::DrawScaleBeside(sensor.page, sensor.area, plot::SequentialColour, ticks, unit);
 }
 
 }  // namespace turnlight::calib::calibrate::lens
