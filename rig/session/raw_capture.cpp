@@ -135,14 +135,19 @@ bool IsRawCapture(const fs::path& path) {
   return fs::is_regular_file(RootOf(path) / kCaptureFile, code);
 }
 
-Result<RawCapture> ReadRawCapture(const fs::path& path) {
+Result<RawCapture> ReadRawCapture(const fs::path& path, RawPictures pictures) {
   const fs::path root = RootOf(path), file = root / kCaptureFile;
   const auto text = ReadFile(file, kMaxCaptureBytes);
   if (!text) return Forward(text);
   auto capture = ParseRawCapture(*text, file.string());
   if (!capture) return Forward(capture);
   for (std::size_t i = 0; i < capture->frames.size(); ++i)
-    if (const auto located = Locate(root, PathOf(*capture, i)); !located) return Forward(located);
+    if (pictures == RawPictures::kMustBeThere) {
+      if (const auto located = Locate(root, PathOf(*capture, i)); !located)
+        return Forward(located);
+    } else if (const Status status = CheckRelative(PathOf(*capture, i), root); !status) {
+      return Forward(status);
+    }
   capture->root = root;
   return capture;
 }

@@ -45,7 +45,10 @@ bool IsRawCapture(const std::filesystem::path& path);
 // Reads and validates capture.json, given by its folder or itself. Pictures are not opened, but
 // every path must stay under the root (no absolute path, no "..", no symbolic link out) and exist,
 // and no picture may be named twice. Fails (kInput) with file, key, value and what is allowed.
-Result<RawCapture> ReadRawCapture(const std::filesystem::path& path);
+// A capture that is being gone on with may have lost pictures.
+enum class RawPictures { kMustBeThere, kMayBeMissing };
+Result<RawCapture> ReadRawCapture(const std::filesystem::path& path,
+                                  RawPictures pictures = RawPictures::kMustBeThere);
 
 // Writes root/capture.json, atomically; every double reads back to the same bits. Pictures are the
 // caller's. Fails (kInput) for what would be refused when read, but for files that are missing.

@@ -127,6 +127,15 @@ TEST_F(RawCaptureTest, NoPathLeavesTheFolder) {
   EXPECT_FALSE(WriteRawCapture(capture_, root()));
 }
 
+TEST_F(RawCaptureTest, APictureMayBeMissingWhereOneGoesOn) {
+  std::filesystem::remove(root() / "frames/b.png");
+  EXPECT_FALSE(ReadRawCapture(root()));
+  const auto capture = ReadRawCapture(root(), RawPictures::kMayBeMissing);
+  ASSERT_TRUE(capture) << capture.error().text;
+  EXPECT_TRUE(ReadRawImage(*capture, 0));
+  EXPECT_FALSE(ReadRawImage(*capture, 1));
+}
+
 TEST_F(RawCaptureTest, WhatWouldBeRefusedIsNotWritten) {
   const std::string text = *ReadFile(root() / kCaptureFile);
   RawCapture wrong = capture_;
