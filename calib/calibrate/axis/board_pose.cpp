@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 
 #include "base/statistics.h"
+#include "calib/calibrate/board/number_lattice.h"
 #include "calib/rig_geometry.h"
 
 namespace turnlight::calib::calibrate::axis {
@@ -141,17 +141,15 @@ BoardPoses GuessBoardPoses(const board::Board& board, const CameraModel& camera,
 }
 
 std::vector<Pose> SameLookingTurns(const board::Board& board) {
-  if (board.kind != board::BoardKind::kChessboard) return {Pose()};
-  const int sides = board.columns == board.rows ? 4 : 2;
-  const Pose to_middle{Eigen::Matrix3d::Identity(),
-                       0.5 * board.spacing *
-                           Eigen::Vector3d(board.columns - 1.0, board.rows - 1.0, 0.0)};
+  const auto points = BoardPoints(board);
   std::vector<Pose> turns;
-  for (int side = 0; side < sides; ++side)
-    turns.push_back(
-        to_middle *
-        Turn(Eigen::Vector3d::UnitZ(), 2.0 * std::numbers::pi * side / sides) *
-        to_middle.Inverse());
+  for (const std::vector<std::size_t>& way : SameLookingNumberings(board)) {
+    Pose turn;
+    turn.translation = points[way[0]];
+    turn.rotation.col(0) = (points[way[1]] - points[way[0]]).normalized();
+    turn.rotation.col(1) = Eigen::Vector3d::UnitZ().cross(turn.rotation.col(0));
+    turns.push_back(turn);
+  }
   return turns;
 }
 
