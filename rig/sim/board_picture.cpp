@@ -47,8 +47,8 @@ class CornerRays {
     std::vector<Eigen::Vector3d> nodes(static_cast<std::size_t>(columns_), Eigen::Vector3d::Zero());
     for (int k = 0; k < 4; ++k)
       for (std::size_t i = 0; i < nodes.size(); ++i)
-        nodes[i] += down[static_cast<std::size_t>(k)] *
-                    nodes_[static_cast<std::size_t>(first + k)][i];
+        nodes[i] +=
+            down[static_cast<std::size_t>(k)] * nodes_[static_cast<std::size_t>(first + k)][i];
     std::vector<Eigen::Vector3d> rays(static_cast<std::size_t>(width) + 1);
     for (int i = 0; i <= width; ++i) {
       const int start = std::clamp(i / kStep - 1, 0, columns_ - 4);
@@ -118,7 +118,8 @@ double LayOver(const BoardSurface& surface, const std::array<Eigen::Vector2d, 4>
   int bright = 0;
   for (int row = 0; row < samples; ++row)
     for (int column = 0; column < samples; ++column) {
-      // Sheared, so that no two lie in one row or column: an upright edge is seen in samples^2 steps.
+      // Sheared, so that no two lie in one row or column: an upright edge is seen in samples^2
+      // steps.
       const double u = (column + (row + 0.5) / samples) / samples;
       const double v = (row + (column + 0.5) / samples) / samples;
       const Eigen::Vector2d p = (corners[0] * (1.0 - u) + corners[1] * u) * (1.0 - v) +
@@ -146,8 +147,8 @@ void RenderRow(int row, const std::vector<BoardSurface>& surfaces, const CornerR
       corners[1] = surface.Meet(above[static_cast<std::size_t>(column) + 1]);
       corners[3] = surface.Meet(below[static_cast<std::size_t>(column) + 1]);
       if (!surface.MayMeet(corners)) continue;
-      pixels[column] = static_cast<float>(LayOver(
-          surface, corners, {options.bright, options.dark}, options.samples, pixels[column]));
+      pixels[column] = static_cast<float>(LayOver(surface, corners, {options.bright, options.dark},
+                                                  options.samples, pixels[column]));
     }
   }
 }
@@ -157,7 +158,8 @@ void AddNoise(const BoardPictureOptions& options, cv::Mat& picture) {
   ParallelFor(static_cast<std::size_t>(picture.rows), [&](std::size_t row) {
     auto* pixels = picture.ptr<float>(static_cast<int>(row));
     for (int column = 0; column < picture.cols; ++column) {
-      const auto index = row * static_cast<std::size_t>(picture.cols) + static_cast<std::size_t>(column);
+      const auto index =
+          row * static_cast<std::size_t>(picture.cols) + static_cast<std::size_t>(column);
       pixels[column] += static_cast<float>(options.noise_sigma * random.Normal(index));
     }
   });

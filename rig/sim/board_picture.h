@@ -1,8 +1,8 @@
 // Pictures of calibration boards, whose points' true pixels are known.
 //
 // Each pixel is the mean of what a square of its size sees of the print, on a grid of sub-samples
-// whose rays are the camera model's own, exact to 1e-4 pixels. Nothing of the world but the boards is there,
-// and their light is even.
+// whose rays are the camera model's own, exact to 1e-4 pixels. Nothing of the world but the boards
+// is there, and their light is even.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,8 @@ struct BoardPictureOptions {
 cv::Mat RenderBoards(const std::vector<PlacedBoard>& boards, const calib::CameraModel& camera,
                      const BoardPictureOptions& options = {});
 
-// The pixels of all points, by number; (0, 0) is the centre of the top-left pixel. NaN where the lens
-// does not reach; outside of the picture as they come.
+// The pixels of all points, by number; (0, 0) is the centre of the top-left pixel. NaN where the
+// lens does not reach; outside of the picture as they come.
 std::vector<Eigen::Vector2d> BoardPixels(const PlacedBoard& placed,
                                          const calib::CameraModel& camera);
 

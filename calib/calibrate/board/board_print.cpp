@@ -50,7 +50,8 @@ Status CheckBoard(const Board& board) {
 int CharucoMarker(const Board& board, int column, int row) {
   if ((column + row) % 2 == 0) return -1;
   const int across = board.columns + 1;
-  // Rows that begin with a dark square have across / 2 markers, the others one more if across is odd.
+  // Rows that begin with a dark square have across / 2 markers, the others one more if across is
+  // odd.
   const int before = (row / 2) * across + (row % 2) * (across / 2);
   return before + column / 2;
 }

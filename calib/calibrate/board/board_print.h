@@ -1,8 +1,8 @@
 // What is printed on a board: dark or bright, anywhere on its plane.
 //
-// A chessboard's square before point 0 (towards -x, -y) is dark. So is a ChArUco board's, whose markers
-// fill the bright squares, their numbers row by row from the top left, and a tag's number is its
-// place in the grid: as OpenCV prints them since version 4.7.
+// A chessboard's square before point 0 (towards -x, -y) is dark. So is a ChArUco board's, whose
+// markers fill the bright squares, their numbers row by row from the top left, and a tag's number
+// is its place in the grid: as OpenCV prints them since version 4.7.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -14,9 +14,9 @@
 
 namespace turnlight::calib::calibrate::board {
 
-// Fails (kInput) where no such board can be: fewer than two points or more than 1000 across or down,
-// a spacing that is not positive and finite, a marker that does not fit its square, a dictionary that is unknown
-// or has too few markers; a chessboard with markers.
+// Fails (kInput) where no such board can be: fewer than two points or more than 1000 across or
+// down, a spacing that is not positive and finite, a marker that does not fit its square, a
+// dictionary that is unknown or has too few markers; a chessboard with markers.
 Status CheckBoard(const Board& board);
 
 class BoardPrint {
@@ -37,8 +37,8 @@ class BoardPrint {
   std::vector<cv::Mat> markers_;  // their bits, by number
 };
 
-// The marker in the ChArUco square at (column, row), (0, 0) being the square before point 0; negative
-// where the square is dark.
+// The marker in the ChArUco square at (column, row), (0, 0) being the square before point 0;
+// negative where the square is dark.
 int CharucoMarker(const Board& board, int column, int row);
 
 }  // namespace turnlight::calib::calibrate::board

@@ -9,9 +9,8 @@ namespace turnlight::calib::calibrate::board {
 namespace {
 
 std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char letter) {
-    return static_cast<char>(std::tolower(letter));
-  });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   return text;
 }
 
@@ -20,10 +19,10 @@ std::string Lower(std::string text) {
 // In the order of cv::aruco::PREDEFINED_DICTIONARY_NAME.
 const std::vector<std::string>& MarkerDictionaryNames() {
   static const std::vector<std::string> names = {
-      "4X4_50",         "4X4_100",       "4X4_250",       "4X4_1000",       "5X5_50",
-      "5X5_100",        "5X5_250",       "5X5_1000",      "6X6_50",         "6X6_100",
-      "6X6_250",        "6X6_1000",      "7X7_50",        "7X7_100",        "7X7_250",
-      "7X7_1000",       "ARUCO_ORIGINAL", "APRILTAG_16h5", "APRILTAG_25h9", "APRILTAG_36h10",
+      "4X4_50",        "4X4_100",        "4X4_250",       "4X4_1000",      "5X5_50",
+      "5X5_100",       "5X5_250",        "5X5_1000",      "6X6_50",        "6X6_100",
+      "6X6_250",       "6X6_1000",       "7X7_50",        "7X7_100",       "7X7_250",
+      "7X7_1000",      "ARUCO_ORIGINAL", "APRILTAG_16h5", "APRILTAG_25h9", "APRILTAG_36h10",
       "APRILTAG_36h11"};
   return names;
 }

@@ -1,5 +1,5 @@
-// Proves: rendered boards lie where the camera model projects them, to 0.005 pixels of an edge's place;
-// levels, noise and hiding are as asked. Does not prove that a detector finds them
+// Proves: rendered boards lie where the camera model projects them, to 0.005 pixels of an edge's
+// place; levels, noise and hiding are as asked. Does not prove that a detector finds them
 // (tests/calib/calibrate/board/detect_boards_test.cpp does).
 #include "rig/sim/board_picture.h"
 
@@ -22,7 +22,9 @@ calib::Pose At(double x, double y, double z, double turn = 0.0) {
   return pose;
 }
 
-calib::CameraModel Camera() { return calib::CameraModel::Pinhole(640, 480, 600, 600, 319.5, 239.5); }
+calib::CameraModel Camera() {
+  return calib::CameraModel::Pinhole(640, 480, 600, 600, 319.5, 239.5);
+}
 
 // Where a row of pixels changes from the first level to the last, from the sum of its levels.
 double EdgeFrom(const cv::Mat& picture, int row, int begin, int end) {
@@ -34,14 +36,16 @@ double EdgeFrom(const cv::Mat& picture, int row, int begin, int end) {
 }
 
 TEST(BoardPicture, EdgesLieWhereTheCameraProjectsThem) {
-  const PlacedBoard placed{{BoardKind::kChessboard, 4, 3, 30.0, 0.0, ""}, At(-45, -30, 400, 0.4), 0};
+  const PlacedBoard placed{
+      {BoardKind::kChessboard, 4, 3, 30.0, 0.0, ""}, At(-45, -30, 400, 0.4), 0};
   BoardPictureOptions options;
   options.samples = 16;
   options.depth = CV_16U;
   const auto camera = Camera();
   const cv::Mat picture = RenderBoards({placed}, camera, options);
   const auto pixels = BoardPixels(placed, camera);
-  // Between rows 0 and 1 of the board the edge through points 1 and 5 is upright, as the turn is about y.
+  // Between rows 0 and 1 of the board the edge through points 1 and 5 is upright, as the turn is
+  // about y.
   const auto middle = (pixels[1] + pixels[5]) / 2.0;
   const int u = static_cast<int>(std::round(middle.x()));
   EXPECT_NEAR(EdgeFrom(picture, static_cast<int>(std::round(middle.y())), u - 8, u + 9), middle.x(),
@@ -86,7 +90,8 @@ TEST(BoardPicture, NoiseIsAsWideAsAskedAndRepeats) {
 
 TEST(BoardPicture, AStrongLensIsFollowed) {
   const auto camera = calib::CameraModel::FromString(
-      "{'lensmodel': 'LENSMODEL_OPENCV4', 'intrinsics': [500, 500, 319.5, 239.5, -0.25, 0.05, 0.001, "
+      "{'lensmodel': 'LENSMODEL_OPENCV4', 'intrinsics': [500, 500, 319.5, 239.5, -0.25, 0.05, "
+      "0.001, "
       "-0.001], 'extrinsics': [0, 0, 0, 0, 0, 0], 'imagersize': [640, 480]}",
       "test");
   ASSERT_TRUE(camera) << camera.error().text;
@@ -95,13 +100,13 @@ TEST(BoardPicture, AStrongLensIsFollowed) {
   options.samples = 16;
   options.depth = CV_16U;
   const cv::Mat picture = RenderBoards({placed}, *camera, options);
-  const auto edge = camera->Project({placed.X_CB * Eigen::Vector3d(0, 15, 0),
-                                     placed.X_CB * Eigen::Vector3d(0, 14, 0)});
+  const auto edge = camera->Project(
+      {placed.X_CB * Eigen::Vector3d(0, 15, 0), placed.X_CB * Eigen::Vector3d(0, 14, 0)});
   const double slope = (edge[0].x() - edge[1].x()) / (edge[0].y() - edge[1].y());
   const int row = static_cast<int>(std::round(edge[0].y()));
   const int u = static_cast<int>(std::round(edge[0].x()));
-  EXPECT_NEAR(EdgeFrom(picture, row, u - 8, u + 9),
-              edge[0].x() + slope * (row - edge[0].y()), 0.005);
+  EXPECT_NEAR(EdgeFrom(picture, row, u - 8, u + 9), edge[0].x() + slope * (row - edge[0].y()),
+              0.005);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Proves: the print's colours by hand-counted squares, and that boards which cannot be are refused in
-// words. Does not prove that markers have the right bits: detect_boards_test.cpp reads them back.
+// Proves: the print's colours by hand-counted squares, and that boards which cannot be are refused
+// in words. Does not prove that markers have the right bits: detect_boards_test.cpp reads them
+// back.
 #include "calib/calibrate/board/board_print.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +29,7 @@ TEST(BoardPrint, CharucoMarkersFillTheBrightSquaresRowByRow) {
   EXPECT_EQ(CharucoMarker(board, 4, 1), 4);
   EXPECT_EQ(CharucoMarker(board, 1, 2), 5);
   const BoardPrint print(board);
-  EXPECT_FALSE(print.Dark(1, -9));   // the rim of square (1, 0)
+  EXPECT_FALSE(print.Dark(1, -9));     // the rim of square (1, 0)
   EXPECT_TRUE(print.Dark(2.5, -7.5));  // its marker's border
 }
 
