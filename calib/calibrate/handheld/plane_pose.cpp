@@ -53,8 +53,7 @@ std::optional<Eigen::VectorXd> Residuals(const CameraModel& camera,
 
 // Central differences by rotation (radians) and shift; the lens is smooth far below these steps.
 std::optional<Eigen::MatrixXd> Jacobian(const CameraModel& camera,
-                                        const std::vector<SeenPosition>& points,
-                                        const Pose& X_CB) {
+                                        const std::vector<SeenPosition>& points, const Pose& X_CB) {
   Eigen::MatrixXd jacobian(2 * points.size(), 6);
   const double shift = 1e-6 * std::max(X_CB.translation.norm(), 1e-12);
   for (int k = 0; k < 6; ++k) {
@@ -119,7 +118,8 @@ Result<std::vector<Pose>> Starts(const CameraModel& camera,
   for (const Eigen::Vector3d& ray : camera.Unproject(pixels)) {
     if (!ray.allFinite()) return InputError("a point lies where the lens model does not reach");
     if (ray.z() < least_z)
-      return InputError(Format("a point lies more than %g degrees off the lens's axis", kMaxOffAxisDeg));
+      return InputError(
+          Format("a point lies more than %g degrees off the lens's axis", kMaxOffAxisDeg));
     seen.emplace_back(ray.x() / ray.z(), ray.y() / ray.z());
   }
   std::vector<cv::Mat> rotations, shifts;

@@ -14,8 +14,7 @@ std::optional<double> ViewChange::NearestDeg(const Eigen::Vector3d& direction) c
   std::optional<double> nearest;
   for (const Eigen::Vector3d& keyframe : keyframes_) {
     // Exact for small angles too, where a cosine is not.
-    const double angle =
-        std::atan2(keyframe.cross(direction).norm(), keyframe.dot(direction));
+    const double angle = std::atan2(keyframe.cross(direction).norm(), keyframe.dot(direction));
     nearest = std::min(nearest.value_or(360.0), RadToDeg(angle));
   }
   return nearest;

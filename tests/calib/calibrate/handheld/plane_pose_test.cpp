@@ -1,6 +1,6 @@
-// Proves: a pose is found to rounding from exact pixels, through lenses that distort, at any tilt; its covariance
-// covers what noise does to it; a tilt that the picture leaves open is told; what cannot give a
-// pose is refused. Does not prove: anything of how points are found in pictures.
+// Proves: a pose is found to rounding from exact pixels, through lenses that distort, at any tilt;
+// its covariance covers what noise does to it; a tilt that the picture leaves open is told; what
+// cannot give a pose is refused. Does not prove: anything of how points are found in pictures.
 #include "calib/calibrate/handheld/plane_pose.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,10 @@ namespace {
 
 CameraModel Distorting() {
   auto camera = CameraModel::FromString(
-      "{ 'lensmodel': 'LENSMODEL_OPENCV8', 'intrinsics': [ 900., 905., 639.5, 479.5, -0.2, 0.08, 1e-3, "
-      "-5e-4, 0.01, 0.05, 0.02, 0.003 ], 'extrinsics': [ 0,0,0,0,0,0 ], 'imagersize': [ 1280, 960 ] }",
+      "{ 'lensmodel': 'LENSMODEL_OPENCV8', 'intrinsics': [ 900., 905., 639.5, 479.5, -0.2, 0.08, "
+      "1e-3, "
+      "-5e-4, 0.01, 0.05, 0.02, 0.003 ], 'extrinsics': [ 0,0,0,0,0,0 ], 'imagersize': [ 1280, 960 "
+      "] }",
       "test");
   if (!camera) throw std::runtime_error(camera.error().text);
   return *camera;
@@ -46,7 +48,8 @@ std::vector<SeenPosition> See(const CameraModel& camera, const Pose& X_CB, int s
   }
   const auto pixels = camera.Project(p_C);
   for (std::size_t i = 0; i < points.size(); ++i)
-    points[i].pixel = pixels[i] + noise_px * Eigen::Vector2d(random.Normal(2 * i), random.Normal(2 * i + 1));
+    points[i].pixel =
+        pixels[i] + noise_px * Eigen::Vector2d(random.Normal(2 * i), random.Normal(2 * i + 1));
   return points;
 }
 
@@ -64,8 +67,8 @@ TEST(PlanePose, ExactPixelsGiveTheExactPose) {
     for (const double turn : {0.0, 77.0, 190.0})
       for (const int side : {2, 7}) {
         const Pose truth = Tilted(tilt, turn, 420.0);
-        const auto found =
-            EstimatePlanePose(camera, See(camera, truth, side, 140.0 / side, 0.0, RandomStream(1, 0)), 0.1);
+        const auto found = EstimatePlanePose(
+            camera, See(camera, truth, side, 140.0 / side, 0.0, RandomStream(1, 0)), 0.1);
         ASSERT_TRUE(found) << found.error().text;
         EXPECT_LT(Difference(found->X_CB, truth).head<3>().norm(), 1e-7) << tilt << " " << turn;
         EXPECT_LT(Difference(found->X_CB, truth).tail<3>().norm(), 1e-5) << tilt << " " << turn;
@@ -80,7 +83,8 @@ TEST(PlanePose, TheCovarianceCoversWhatNoiseDoes) {
   constexpr int kDraws = 300;
   for (int draw = 0; draw < kDraws; ++draw) {
     const auto found = EstimatePlanePose(
-        camera, See(camera, truth, 7, 20.0, 0.3, RandomStream(static_cast<std::uint64_t>(draw), 0)), 0.0);
+        camera, See(camera, truth, 7, 20.0, 0.3, RandomStream(static_cast<std::uint64_t>(draw), 0)),
+        0.0);
     ASSERT_TRUE(found);
     const auto difference = Difference(found->X_CB, truth);
     sum += difference.dot(found->covariance.ldlt().solve(difference));
