@@ -18,6 +18,7 @@ double ExposureLevel(double brightest) {
 void Scale(observe::Observations& observations, double by) {
   for (auto& channel : observations.radiance)
     for (float& value : channel) value *= static_cast<float>(by);
+  for (float& value : observations.variance) value *= static_cast<float>(by * by);
 }
 
 void Scale(model::Reflectance& r, double by) {
