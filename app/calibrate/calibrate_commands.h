@@ -9,5 +9,6 @@
 namespace turnlight::app {
 
 // One line for each part: void AddCalibratePART(CLI::App& calibrate, Action& action);
+void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app
