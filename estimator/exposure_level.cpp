@@ -30,6 +30,7 @@ void Scale(observe::Observations& observations, double by) {
   for (auto& channel : observations.radiance)
     for (float& value : channel) value *= static_cast<float>(by);
   observations.level *= by;
+  for (float& value : observations.variance) value *= static_cast<float>(by * by);
 }
 
 void Scale(model::Reflectance& r, double by) {

@@ -62,10 +62,17 @@ Status ReadNumberObject(StrictObject object, const std::string& unit, double& va
   return object.Finish();
 }
 
-Status ReadNoise(StrictObject object, SensorNoise& noise) {
+// What merges exposures, and what weighs the pixels of sessions.
+Status ReadNoise(StrictObject object, RigCalibration& calibration) {
+  SensorNoise& noise = calibration.noise;
   noise.read_noise_dn = object.Number("read_noise_dn", {.min = 0.0});
   noise.dn_per_electron = object.Number("dn_per_electron", {.min = 0.0});
   noise.black_limit_dn = object.OptionalNumber("black_limit_dn");
+  const auto gain_db = object.OptionalNumber("gain_db");
+  calibration.covariances.noise = ReadCovariance(object, 2);
+  if (noise.read_noise_dn > 0.0 || noise.dn_per_electron > 0.0)
+    calibration.radiometry.noise =
+        calib::NoiseModel{noise.read_noise_dn, noise.dn_per_electron, gain_db};
   return object.Finish();
 }
 
@@ -73,7 +80,7 @@ Status ReadRadiometryObject(StrictObject object, RigCalibration& calibration) {
   if (Status status = ReadRadiometry(object, calibration.radiometry); !status) return status;
   ReadUnit(object, "DN");
   if (const auto noise = object.OptionalObject("noise"))
-    if (Status status = ReadNoise(*noise, calibration.noise); !status) return status;
+    if (Status status = ReadNoise(*noise, calibration); !status) return status;
   calibration.covariances.radiometry = ReadCovariance(object, 2);
   return object.Finish();
 }
@@ -176,6 +183,22 @@ ordered_json PrintValue(ordered_json value, const std::string& unit, const Covar
   return object;
 }
 
+// None if nobody told of the noise: what is not known is not written as if it were.
+std::optional<ordered_json> PrintSensorNoise(const RigCalibration& calibration) {
+  const SensorNoise& noise = calibration.noise;
+  const std::optional<calib::NoiseModel>& known = calibration.radiometry.noise;
+  const SensorNoise assumed;
+  if (!known && !noise.black_limit_dn && noise.read_noise_dn == assumed.read_noise_dn &&
+      noise.dn_per_electron == assumed.dn_per_electron)
+    return std::nullopt;
+  ordered_json object{{"read_noise_dn", noise.read_noise_dn},
+                      {"dn_per_electron", noise.dn_per_electron}};
+  if (known && known->gain_db) object["gain_db"] = *known->gain_db;
+  if (noise.black_limit_dn) object["black_limit_dn"] = *noise.black_limit_dn;
+  AddCovariance(object, calibration.covariances.noise);
+  return object;
+}
+
 ordered_json PrintRadiometryObject(const RigCalibration& calibration) {
   const calib::Radiometry& radiometry = calibration.radiometry;
   ordered_json object = PrintRadiometryCore(radiometry);
@@ -184,10 +207,8 @@ ordered_json PrintRadiometryObject(const RigCalibration& calibration) {
   if (radiometry.reference_gain_db) object["reference_gain_db"] = *radiometry.reference_gain_db;
   object["white_balance"] = radiometry.white_balance;
   object["unit"] = "DN";
-  object["noise"] = {{"read_noise_dn", calibration.noise.read_noise_dn},
-                     {"dn_per_electron", calibration.noise.dn_per_electron}};
-  if (calibration.noise.black_limit_dn)
-    object["noise"]["black_limit_dn"] = *calibration.noise.black_limit_dn;
+  if (radiometry.vignetting) object["vignetting"] = PrintVignetting(*radiometry.vignetting);
+  if (const auto noise = PrintSensorNoise(calibration)) object["noise"] = *noise;
   AddCovariance(object, calibration.covariances.radiometry);
   return object;
 }

@@ -10,5 +10,6 @@ namespace turnlight::app {
 
 // One line for each part.
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
+void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

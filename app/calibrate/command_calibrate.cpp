@@ -8,6 +8,7 @@ void AddCalibrate(CLI::App& program, Action& action) {
       "calibrate", "From pictures to a rig's calibration, each part with its uncertainty");
   calibrate->require_subcommand(1);
   AddCalibrateCapture(*calibrate, action);
+  AddCalibrateResponse(*calibrate, action);
 }
 
 }  // namespace turnlight::app

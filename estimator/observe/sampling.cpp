@@ -53,6 +53,12 @@ Observations Picked(const Observations& all, const std::vector<std::size_t>& pic
     Gather(all.step[k], picked, out.step[k]);
   }
   Gather(all.pixel, picked, out.pixel);
+  if (!all.weight.empty()) {
+    out.variance.assign(out.size(), 0.0f);
+    out.weight.assign(out.size(), 1.0f);
+    Gather(all.variance, picked, out.variance);
+    Gather(all.weight, picked, out.weight);
+  }
   if (out.caster != nullptr) {
     for (int k = 0; k < 3; ++k) Gather(all.face_normal[k], picked, out.face_normal[k]);
     Gather(all.keyframe, picked, out.keyframe);
