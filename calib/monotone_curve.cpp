@@ -30,8 +30,8 @@ MonotoneCurve::MonotoneCurve(const std::vector<std::array<double, 2>>& points) {
   }
   // At an end the parabola through three points says how the slope goes on.
   const auto end = [&](std::size_t own, std::size_t next) {
-    const double slope = rise(own) + (rise(own) - rise(next)) * width(own) /
-                                         (width(own) + width(next));
+    const double slope =
+        rise(own) + (rise(own) - rise(next)) * width(own) / (width(own) + width(next));
     return std::clamp(slope, kLeastEndSlope * rise(own), kMostEndSlope * rise(own));
   };
   slope_.front() = n > 2 ? end(0, 1) : rise(0);

@@ -69,6 +69,7 @@ Status ReadNoise(StrictObject object, RigCalibration& calibration) {
   noise.dn_per_electron = object.Number("dn_per_electron", {.min = 0.0});
   noise.black_limit_dn = object.OptionalNumber("black_limit_dn");
   const auto gain_db = object.OptionalNumber("gain_db");
+  calibration.covariances.noise = ReadCovariance(object, 2);
   if (noise.read_noise_dn > 0.0 || noise.dn_per_electron > 0.0)
     calibration.radiometry.noise =
         calib::NoiseModel{noise.read_noise_dn, noise.dn_per_electron, gain_db};
@@ -194,6 +195,7 @@ std::optional<ordered_json> PrintSensorNoise(const RigCalibration& calibration) 
                       {"dn_per_electron", noise.dn_per_electron}};
   if (known && known->gain_db) object["gain_db"] = *known->gain_db;
   if (noise.black_limit_dn) object["black_limit_dn"] = *noise.black_limit_dn;
+  AddCovariance(object, calibration.covariances.noise);
   return object;
 }
 

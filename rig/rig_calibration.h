@@ -52,6 +52,7 @@ struct CalibrationCovariances {
   std::optional<Eigen::MatrixXd> angle_offset;  // 1 x 1, deg^2
   std::optional<Eigen::MatrixXd> radiometry;    // 2 x 2, of black and white, DN^2
   std::optional<JointCovariance> joint;         // of parts whose errors go together
+  std::optional<Eigen::MatrixXd> noise;         // 2 x 2, of read_noise_dn and dn_per_electron
 };
 
 struct RigCalibration {

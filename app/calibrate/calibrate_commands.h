@@ -11,5 +11,6 @@ namespace turnlight::app {
 // One line for each part.
 void AddCalibrateAxis(CLI::App& calibrate, Action& action);
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
+void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

@@ -1,6 +1,6 @@
 // Proves: the curve goes through its points, only rises, is its own inverse's inverse, goes on
-// straight beyond its ends, and follows a smooth function as closely as a cubic does. Does not prove:
-// that a sensor is such a curve.
+// straight beyond its ends, and follows a smooth function as closely as a cubic does. Does not
+// prove: that a sensor is such a curve.
 #include "calib/monotone_curve.h"
 
 #include <gtest/gtest.h>
@@ -42,8 +42,7 @@ TEST(MonotoneCurve, FollowsASmoothFunction) {
   std::vector<std::array<double, 2>> points;
   for (int i = 0; i <= 32; ++i) points.push_back({i / 32.0, std::pow(i / 32.0, 2.2)});
   const MonotoneCurve curve(points);
-  for (double x = 0.0; x <= 1.0; x += 0.003)
-    EXPECT_NEAR(curve.At(x), std::pow(x, 2.2), 1e-4) << x;
+  for (double x = 0.0; x <= 1.0; x += 0.003) EXPECT_NEAR(curve.At(x), std::pow(x, 2.2), 1e-4) << x;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Proves: Encode is Decode's inverse for every encoding, below 0 and above 1 too. That the encodings
-// are the right ones radiometry_test shows.
+// Proves: Encode is Decode's inverse for every encoding, below 0 and above 1 too. That the
+// encodings are the right ones radiometry_test shows.
 #include "calib/transfer.h"
 
 #include <gtest/gtest.h>

@@ -48,8 +48,8 @@ inline std::pair<double, double> DirectionErrorOf(const model::Scene& truth,
   for (const model::Light& light : truth.lights) {
     double best = 180.0, sigma = 0.0;
     for (const LightEstimate& found : estimate.lights) {
-      const double error = RadToDeg(std::acos(
-          std::clamp(light.direction.dot(found.light.direction), -1.0, 1.0)));
+      const double error =
+          RadToDeg(std::acos(std::clamp(light.direction.dot(found.light.direction), -1.0, 1.0)));
       if (error >= best) continue;
       best = error;
       sigma = RadToDeg(found.direction_sigma);

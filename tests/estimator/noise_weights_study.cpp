@@ -27,9 +27,10 @@ TEST(NoiseWeightsStudy, FortyScenes) {
     pulls_weighted.push_back(errors->weighted / errors->weighted_sigma);
   }
   const double geometric = std::exp((weighted - uniform) / 40.0), median = Median(ratios);
-  std::printf("weighted over uniform: median %.3f, geometric mean %.3f; error over sigma, median: "
-              "%.2f uniform, %.2f weighted\n",
-              median, geometric, Median(pulls_uniform), Median(pulls_weighted));
+  std::printf(
+      "weighted over uniform: median %.3f, geometric mean %.3f; error over sigma, median: "
+      "%.2f uniform, %.2f weighted\n",
+      median, geometric, Median(pulls_uniform), Median(pulls_weighted));
   EXPECT_LT(median, 0.9);
   EXPECT_LT(geometric, 0.9);
 }

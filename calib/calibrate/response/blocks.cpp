@@ -45,8 +45,7 @@ Moments RobustMoments(const std::vector<double>& values) {
 cv::Rect BlockRect(const cv::Size& size, const cv::Size& grid, int place) {
   const int column = place % grid.width, row = place / grid.width;
   const int left = size.width * column / grid.width, right = size.width * (column + 1) / grid.width;
-  const int top = size.height * row / grid.height,
-            bottom = size.height * (row + 1) / grid.height;
+  const int top = size.height * row / grid.height, bottom = size.height * (row + 1) / grid.height;
   return {left, top, right - left, bottom - top};
 }
 
@@ -82,6 +81,7 @@ void MeasureBlock(const std::vector<std::vector<double>>& values, Block& block) 
   const Moments of = RobustMoments(all);
   block.mean = of.mean;
   block.spread = of.variance;
+  block.middle = Median(all);
   block.low = LowerQuantile(all, kLowShare);
   block.high = LowerQuantile(all, 1.0 - kLowShare);
 }

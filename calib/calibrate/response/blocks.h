@@ -12,6 +12,8 @@
 
 namespace turnlight::calib::calibrate::response {
 
+inline constexpr double kRoundingVariance = 1.0 / 12.0;  // of whole DN, DN^2
+
 // The pixels of one colour in a picture: all of a grey one, one channel of R, G, B, or one place of
 // a Bayer mosaic's cells.
 struct Plane {
@@ -37,6 +39,7 @@ struct Block {
   double mean = 0.0;
   double spread = 0.0;             // variance over pixels and pictures, DN^2
   double low = 0.0, high = 0.0;    // 0.5 % and 99.5 % quantile, DN
+  double middle = 0.0;             // median, DN
   std::optional<double> variance;  // of one picture's noise, with rounding, DN^2
   double differences = 0.0;        // that it is made of
 };
@@ -45,8 +48,8 @@ struct Group {
   double exposure_us = 0.0;
   std::size_t pictures = 0;
   std::vector<Block> blocks;
-  // The largest change of light between the two pictures of a pair, a factor less 1. It is taken out
-  // of the differences.
+  // The largest change of light between the two pictures of a pair, a factor less 1. It is taken
+  // out of the differences.
   double flicker = 0.0;
 };
 

@@ -54,13 +54,12 @@ LeastSquares Minimise(const Residuals& residuals, const Eigen::VectorXd& start,
   const Eigen::MatrixXd jacobian =
       Jacobian(residuals, out.parameters, scale, out.residuals.size()) * scale.asDiagonal();
   Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
-  const Eigen::VectorXd unit =
-      normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd unit = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   normal = unit.asDiagonal() * normal * unit.asDiagonal();
   normal.diagonal().array() += kRidge;
   const Eigen::VectorXd back = scale.cwiseProduct(unit);
-  out.covariance = back.asDiagonal() * normal.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) *
-                   back.asDiagonal();
+  out.covariance =
+      back.asDiagonal() * normal.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * back.asDiagonal();
   return out;
 }
 

@@ -12,21 +12,22 @@
 namespace turnlight::calib::calibrate::response {
 namespace {
 
-constexpr double kRoundingVariance = 1.0 / 12.0;
 // How well exposure times and lamps keep what they say, as a share of the light.
 constexpr double kSteadiness = 1e-3;
-constexpr double kMostChi = 3.0;  // of a simple encoding that is taken
-constexpr double kWorthACurve = 2.0;
+// Of a simple encoding that is taken, and how much better a curve may be then; and from which on
+// nothing explains the pictures.
+constexpr double kMostChi = 1.5, kWorthACurve = 1.25, kUnexplained = 3.0;
+constexpr double kLeastGamma = 0.1, kMostGamma = 10.0;
 constexpr int kPieces = 16;           // of a curve
 constexpr double kSmoothness = 0.15;  // by how much the logarithms of neighbouring rises differ
 constexpr double kFlooredSigma = 0.3, kUnknownBlackSigma = 1e4;  // DN
-constexpr double kStuck = 0.05;       // d log(DN) / d log(t) of what is clipped
-constexpr double kLeastStep = 1.05;   // between two exposures
+constexpr double kStuck = 0.05;      // d log(DN) / d log(t) of what is clipped
+constexpr double kLeastStep = 1.05;  // between two exposures
 constexpr std::size_t kFewestSamples = 6;
 
 struct Sample {
   std::size_t source = 0;
-  double exposure = 0.0;  // of the longest
+  double exposure = 0.0;                         // of the longest
   double mean = 0.0, sigma = 0.0, spread = 0.0;  // DN; sigma is the mean's
 };
 
@@ -83,7 +84,8 @@ struct Model {
     out.encoding = encoding;
     out.black = parameters[0];
     out.white = white;
-    if (encoding == Encoding::kGamma) out.gamma = std::exp(parameters[1]);
+    if (encoding == Encoding::kGamma)
+      out.gamma = std::clamp(std::exp(parameters[1]), kLeastGamma, kMostGamma);
     if (encoding != Encoding::kCurve) return out;
     std::vector<double> rises;
     double sum = 0.0;
@@ -173,14 +175,19 @@ Fit FitModel(const Data& data, const Model& model, const std::string& name) {
   Eigen::VectorXd scale = Eigen::VectorXd::Constant(model.Count(), 0.1);
   start[0] = data.black.dn;
   scale[0] = std::clamp(data.black.sigma, 0.01, 1.0);
-  if (model.encoding == Encoding::kGamma) start[1] = std::log(2.0);
   Fit out;
   out.solution = Minimise(residuals, start, scale);
+  if (model.encoding == Encoding::kGamma) {
+    start[1] = std::log(2.0);
+    LeastSquares other = Minimise(residuals, start, scale);
+    if (other.residuals.squaredNorm() < out.solution.residuals.squaredNorm())
+      out.solution = std::move(other);
+  }
   out.radiometry = model.At(out.solution.parameters, data.white);
   const auto n = static_cast<Eigen::Index>(data.samples.size());
-  const double freedom = std::max(
-      static_cast<double>(n) - static_cast<double>(data.sources) - static_cast<double>(model.Count()),
-      1.0);
+  const double freedom = std::max(static_cast<double>(n) - static_cast<double>(data.sources) -
+                                      static_cast<double>(model.Count()),
+                                  1.0);
   out.trial.name = name;
   out.trial.chi = std::sqrt(out.solution.residuals.head(n).squaredNorm() / freedom);
   const Compared compared = Compare(data, out.radiometry);
@@ -212,38 +219,38 @@ std::vector<double> CurveSigma(const Model& model, const LeastSquares& solution,
 
 // The simplest that explains the pictures; a curve only if it explains much more.
 std::size_t Choose(const std::vector<Fit>& fits) {
-  if (fits[0].trial.chi <= kMostChi) return 0;
+  const double enough = std::max(kMostChi, kWorthACurve * fits[3].trial.chi);
+  if (fits[0].trial.chi <= enough) return 0;
   const std::size_t power = fits[1].trial.chi <= fits[2].trial.chi ? 1 : 2;
-  if (fits[power].trial.chi <= kMostChi) return power;
-  std::size_t best = 0;
-  for (const std::size_t i : {std::size_t{1}, std::size_t{2}})
-    if (fits[i].trial.chi * kWorthACurve < fits[best].trial.chi) best = i;
-  return fits[3].trial.chi * kWorthACurve < fits[best].trial.chi ? 3 : best;
+  return fits[power].trial.chi <= enough ? power : 3;
 }
 
 }  // namespace
 
 std::optional<BlackLevel> FindBlack(const std::vector<Group>& dark) {
-  std::vector<double> means;
-  double pixels = 0.0, weighted = 0.0, weights = 0.0;
+  std::vector<double> means, middles;
+  double weighted = 0.0, weights = 0.0;
   bool floored = false;
   for (const Group& group : dark)
     for (const Block& block : group.blocks) {
       const double count = block.pixels * static_cast<double>(group.pictures);
       means.push_back(block.mean);
+      middles.push_back(block.middle);
       weighted += count * block.mean;
       weights += count;
-      pixels += block.pixels;
       floored |= block.low <= 0.0;
     }
   if (means.empty()) return std::nullopt;
   const double mean = weighted / weights;
-  // A mean of what was cut off at 0 is no black level.
-  if (floored) return BlackLevel{0.0, std::max(kFlooredSigma, mean)};
+  if (floored) {
+    const double middle = Median(middles);
+    return BlackLevel{middle, middle > 0.0 ? kFlooredSigma : std::max(kFlooredSigma, mean)};
+  }
   double squares = 0.0;
   for (const double m : means) squares += (m - mean) * (m - mean);
   const double count = static_cast<double>(means.size());
-  // Blocks differ by noise and by the sensor's own pattern: of either, their mean is this well known.
+  // Blocks differ by noise and by the sensor's own pattern: of either, their mean is this well
+  // known.
   const double scatter = std::sqrt(squares / std::max(count - 1.0, 1.0) / count);
   return BlackLevel{mean, std::max(scatter, std::sqrt(kRoundingVariance / weights))};
 }
@@ -251,9 +258,8 @@ std::optional<BlackLevel> FindBlack(const std::vector<Group>& dark) {
 std::optional<double> FindSaturation(const std::vector<Group>& series, double black) {
   std::vector<const Group*> ordered;
   for (const Group& group : series) ordered.push_back(&group);
-  std::stable_sort(ordered.begin(), ordered.end(), [](const Group* a, const Group* b) {
-    return a->exposure_us < b->exposure_us;
-  });
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const Group* a, const Group* b) { return a->exposure_us < b->exposure_us; });
   double brightest = 0.0;
   for (const Group* group : ordered)
     for (const Block& block : group->blocks) brightest = std::max(brightest, block.mean - black);
@@ -277,10 +283,11 @@ Result<ResponseCurve> FitResponseCurve(const std::vector<Group>& series,
                                        double saturation) {
   Data data = Collect(series, black ? black->dn : 0.0, saturation);
   if (data.sources == 0 || data.samples.size() < data.sources + kFewestSamples)
-    return InputError(Format("series: %zu blocks in %zu exposures are neither clipped nor black, "
-                             "allowed is a scene whose brightness follows the exposure over a wide "
-                             "range, at least 3 exposures of it",
-                             data.samples.size(), series.size()));
+    return InputError(
+        Format("series: %zu blocks in %zu exposures are neither clipped nor black, "
+               "allowed is a scene whose brightness follows the exposure over a wide "
+               "range, at least 3 exposures of it",
+               data.samples.size(), series.size()));
   data.white = white;
   data.black = black.value_or(BlackLevel{0.0, kUnknownBlackSigma});
   std::vector<Model> models{{Encoding::kLinear}, {Encoding::kSrgb}, {Encoding::kGamma}};
@@ -296,15 +303,15 @@ Result<ResponseCurve> FitResponseCurve(const std::vector<Group>& series,
   out.radiometry = fit.radiometry;
   out.black_sigma = inflation * std::sqrt(fit.solution.covariance(0, 0));
   if (chosen == 2)
-    out.gamma_sigma =
-        inflation * fit.radiometry.gamma * std::sqrt(fit.solution.covariance(1, 1));
+    out.gamma_sigma = inflation * fit.radiometry.gamma * std::sqrt(fit.solution.covariance(1, 1));
   if (chosen == 3) out.curve_sigma = CurveSigma(models[3], fit.solution, white, inflation);
   for (const Fit& each : fits) out.trials.push_back(each.trial);
-  out.explained = fit.trial.chi <= kMostChi;
-  const Compared compared = Compare(data, fit.radiometry), linear = Compare(data, fits[0].radiometry);
+  out.explained = fit.trial.chi <= kUnexplained;
+  const Compared compared = Compare(data, fit.radiometry),
+                 linear = Compare(data, fits[0].radiometry);
   for (std::size_t i = 0; i < data.samples.size(); ++i)
-    out.points.push_back({data.samples[i].mean, compared.deviation[i], linear.deviation[i],
-                          compared.sigma[i]});
+    out.points.push_back(
+        {data.samples[i].mean, compared.deviation[i], linear.deviation[i], compared.sigma[i]});
   return out;
 }
 

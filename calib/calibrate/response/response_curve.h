@@ -20,16 +20,16 @@ struct BlackLevel {
   double dn = 0.0, sigma = 0.0;
 };
 
-// Of a sensor's dark frames, between whole DN if their noise says so; 0 where half of their pixels
-// read 0: there the noise was cut off. None without dark frames.
+// Of a sensor's dark frames: their mean, or where 0 cut their noise off the median, which does not
+// see that. None without dark frames.
 std::optional<BlackLevel> FindBlack(const std::vector<Group>& dark);
 
 // The DN at which pixels stop to get brighter with the exposure. None if none did.
 std::optional<double> FindSaturation(const std::vector<Group>& series, double black);
 
 struct EncodingTrial {
-  std::string name;  // "linear", "srgb", "gamma" or "curve"
-  double chi = 0.0;  // root of chi^2 per degree of freedom: 1 is noise and 0.1 % of the light
+  std::string name;    // "linear", "srgb", "gamma" or "curve"
+  double chi = 0.0;    // root of chi^2 per degree of freedom: 1 is noise and 0.1 % of the light
   double worst = 0.0;  // largest deviation of a block's light, a share of it
 };
 
