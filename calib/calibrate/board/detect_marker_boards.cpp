@@ -110,8 +110,8 @@ CornerLattice CharucoCorners(const cv::Mat& levelled, const Board& board, const 
     double reach = std::numeric_limits<double>::infinity();
     for (const double x : {-margin, margin})
       for (const double y : {-margin, margin})
-        reach = std::min(
-            reach, (Map(*homography, place + Eigen::Vector2d(x, y)) - expected).norm());
+        reach =
+            std::min(reach, (Map(*homography, place + Eigen::Vector2d(x, y)) - expected).norm());
     if (std::isfinite(reach)) lattice.corners.back() = RefineCorner(levelled, expected, reach);
   }
   DropOutliers(lattice);
@@ -134,7 +134,8 @@ DetectedBoard TagGridFrom(const cv::Mat& levelled, const Board& board, const Fit
   const auto dictionary = FindMarkerDictionary(board.dictionary);
   // Levels are even as far as a tag's border, and as the gap between tags.
   const double even = std::min(board.marker / ((*dictionary)->markerSize + 2.0),
-                               (board.spacing - board.marker) / 2.0) / board.marker;
+                               (board.spacing - board.marker) / 2.0) /
+                      board.marker;
   const auto points = BoardPoints(board);
   std::vector<PrintEdge> edges;
   std::vector<SeenPoint> seen;
@@ -175,13 +176,16 @@ std::vector<std::string> WhyNone(const cv::Mat& bytes, const Board& board,
   cv::flip(bytes, mirrored, 1);
   auto markers = FindMarkers(mirrored, board, 1);
   if (TakeBoard(markers, board))
-    return {"the board is printed mirrored, or the picture is: its markers can be read in a mirror only"};
+    return {
+        "the board is printed mirrored, or the picture is: its markers can be read in a mirror "
+        "only"};
   if (left.empty()) return {"no marker of dictionary " + board.dictionary + " is in sight"};
-  const int highest = std::max_element(left.begin(), left.end(), [](auto& a, auto& b) {
-                        return a.id < b.id;
-                      })->id;
-  return {Format("%zu markers are in sight, the highest number is %d, but not as a board of %d x %d "
-                 "has them", left.size(), highest, board.columns, board.rows)};
+  const int highest =
+      std::max_element(left.begin(), left.end(), [](auto& a, auto& b) { return a.id < b.id; })->id;
+  return {
+      Format("%zu markers are in sight, the highest number is %d, but not as a board of %d x %d "
+             "has them",
+             left.size(), highest, board.columns, board.rows)};
 }
 
 }  // namespace

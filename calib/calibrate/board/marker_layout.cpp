@@ -9,8 +9,8 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kInPlace = 0.35;         // of a marker's side in the picture, between its centres
-constexpr std::size_t kMostSeeds = 24;    // markers from which a board is grown
+constexpr double kInPlace = 0.35;       // of a marker's side in the picture, between its centres
+constexpr std::size_t kMostSeeds = 24;  // markers from which a board is grown
 
 Eigen::Vector2d Centre(const Quad& quad) { return (quad[0] + quad[1] + quad[2] + quad[3]) / 4.0; }
 
@@ -87,8 +87,8 @@ bool CornersFit(const std::vector<std::size_t>& chosen, const std::vector<SeenMa
   if (!homography) return false;
   std::size_t good = 0;
   for (std::size_t i = 0; i < from.size(); ++i)
-    good += (Map(*homography, from[i]) - to[i]).norm() <
-            kInPlace * Side(seen[chosen[i / 4]].corners);
+    good +=
+        (Map(*homography, from[i]) - to[i]).norm() < kInPlace * Side(seen[chosen[i / 4]].corners);
   constexpr double kMostCorners = 0.9;
   return static_cast<double>(good) >= kMostCorners * static_cast<double>(from.size());
 }

@@ -9,10 +9,10 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr int kPlaces = 15;            // along a side
-constexpr double kFirstPlace = 0.12;   // of it, from a corner
-constexpr double kStep = 0.25;         // pixels, across
-constexpr double kLeastStep = 20.0;    // of 255 levels, from dark to bright
+constexpr int kPlaces = 15;           // along a side
+constexpr double kFirstPlace = 0.12;  // of it, from a corner
+constexpr double kStep = 0.25;        // pixels, across
+constexpr double kLeastStep = 20.0;   // of 255 levels, from dark to bright
 
 // How far the edge is from a point, along its normal: the mean place of the rise in level.
 std::optional<double> EdgeAt(const cv::Mat& picture, const Eigen::Vector2d& point,
@@ -20,8 +20,8 @@ std::optional<double> EdgeAt(const cv::Mat& picture, const Eigen::Vector2d& poin
   double rise = 0.0;
   double moment = 0.0;
   for (double s = -reach; s < reach - kStep / 2.0; s += kStep) {
-    const double step = LevelAt(picture, point + (s + kStep) * normal) -
-                        LevelAt(picture, point + s * normal);
+    const double step =
+        LevelAt(picture, point + (s + kStep) * normal) - LevelAt(picture, point + s * normal);
     rise += step;
     moment += step * (s + kStep / 2.0);
   }
