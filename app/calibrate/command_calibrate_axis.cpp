@@ -6,7 +6,7 @@
 #include <system_error>
 #include <vector>
 
-#include "app/calibrate/board_option.h"
+#include "app/calibrate/board_options.h"
 #include "app/calibrate/calibrate_commands.h"
 #include "app/calibrate/camera_option.h"
 #include "app/calibrate/turning_pictures.h"
@@ -34,7 +34,7 @@ constexpr double kSamePlaceDeg = 0.05;  // a table that stays is read with noise
 
 struct AxisArguments {
   std::string pictures, camera, out, lens_note;
-  BoardArguments board;
+  board::BoardWords board;
   axis::AxisOptions options;
 };
 
@@ -124,7 +124,7 @@ Status WriteAxisPictures(const axis::AxisCalibration& axis,
 }
 
 Status CalibrateAndWrite(const AxisArguments& arguments) {
-  const auto board = BoardOf(arguments.board);
+  const auto board = board::ParseBoard(arguments.board);
   if (!board) return Forward(board);
   const auto lens = ReadCalibratedLens(arguments.camera);
   if (!lens) return Forward(lens);
