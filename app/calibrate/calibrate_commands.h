@@ -8,6 +8,8 @@
 
 namespace turnlight::app {
 
-// One line for each part: void AddCalibratePART(CLI::App& calibrate, Action& action);
+// One line for each part.
+void AddCalibrateAxis(CLI::App& calibrate, Action& action);
+void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

@@ -40,6 +40,7 @@ struct Observations {
       footprint;                               // dw/du (3), dw/dv (3): change of w across the pixel
   std::array<std::vector<BFloat16>, 6> step;   // dx/du, dx/dv: change of x across the pixel
   std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
+  double level = 1.0;                          // what the keyframes' radiances were multiplied by
   std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
 
