@@ -31,12 +31,14 @@ void AddBoardOptions(CLI::App& command, BoardArguments& arguments) {
       ->required()
       ->check(CLI::Range(1e-3, 1e5));
   command
-      .add_option("--markers", arguments.markers,
-                  "none (default): a chessboard; charuco: one with markers; apriltag: a grid of tags")
+      .add_option(
+          "--markers", arguments.markers,
+          "none (default): a chessboard; charuco: one with markers; apriltag: a grid of tags")
       ->type_name("NAME")
       ->check(CLI::IsMember({"none", "charuco", "apriltag"}));
   command
-      .add_option("--marker-mm", arguments.marker_mm, "Side of a marker or tag, with its black edge")
+      .add_option("--marker-mm", arguments.marker_mm,
+                  "Side of a marker or tag, with its black edge")
       ->type_name("MM")
       ->check(CLI::Range(1e-3, 1e5));
   command

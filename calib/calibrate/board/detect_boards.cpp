@@ -12,7 +12,7 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kBlurred = 2.0;     // pixels, of an edge's sigma: it is 5 pixels wide from 10 to 90 %
+constexpr double kBlurred = 2.0;  // pixels, of an edge's sigma: it is 5 pixels wide from 10 to 90 %
 constexpr double kSaturated = 0.25;  // of the bright squares
 
 void Remark(DetectedBoard& found, const Board& board) {
@@ -20,12 +20,12 @@ void Remark(DetectedBoard& found, const Board& board) {
   if (points < board.PointCount())
     found.remarks.push_back(Format("%zu of %zu points seen", points, board.PointCount()));
   if (found.edge_sigma > kBlurred)
-    found.remarks.push_back(Format("blurred: edges are %.1f pixels wide from 10 to 90 %%",
-                                   2.563 * found.edge_sigma));
-  if (found.saturated > kSaturated)
     found.remarks.push_back(
-        Format("overexposed: %.0f %% of its bright squares are at the sensor's limit, which moves edges",
-               100.0 * found.saturated));
+        Format("blurred: edges are %.1f pixels wide from 10 to 90 %%", 2.563 * found.edge_sigma));
+  if (found.saturated > kSaturated)
+    found.remarks.push_back(Format(
+        "overexposed: %.0f %% of its bright squares are at the sensor's limit, which moves edges",
+        100.0 * found.saturated));
 }
 
 }  // namespace

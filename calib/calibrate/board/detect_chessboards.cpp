@@ -13,9 +13,9 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr int kCoarsest = 100;         // pixels; no scale is tried below
-constexpr double kSamePlace = 0.4;     // of the distance to the next corner
-constexpr double kSparse = 0.5;        // of the corners of the line next to it
+constexpr int kCoarsest = 100;      // pixels; no scale is tried below
+constexpr double kSamePlace = 0.4;  // of the distance to the next corner
+constexpr double kSparse = 0.5;     // of the corners of the line next to it
 
 struct Candidate {
   CornerLattice lattice;  // as found, or numbered
@@ -88,8 +88,8 @@ bool Overlap(const CornerLattice& a, const CornerLattice& b) {
   return same >= 2;
 }
 
-// The best of those that lie over each other: numbered, then with the most corners, then of the finest
-// scale.
+// The best of those that lie over each other: numbered, then with the most corners, then of the
+// finest scale.
 std::vector<Candidate> BestApart(std::vector<Candidate> candidates) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     if (a.numbered != b.numbered) return a.numbered;

@@ -86,8 +86,7 @@ std::optional<Eigen::Vector2d> RefineCorner(const cv::Mat& picture, const Eigen:
   if (corner.x() < half + 2 || corner.y() < half + 2 || corner.x() > picture.cols - half - 3 ||
       corner.y() > picture.rows - half - 3)
     return std::nullopt;
-  std::vector<cv::Point2f> points{
-      {static_cast<float>(corner.x()), static_cast<float>(corner.y())}};
+  std::vector<cv::Point2f> points{{static_cast<float>(corner.x()), static_cast<float>(corner.y())}};
   cv::cornerSubPix(picture, points, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-3});
   const Eigen::Vector2d refined(points[0].x, points[0].y);

@@ -10,7 +10,7 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kProfileStep = 0.25;  // pixels
+constexpr double kProfileStep = 0.25;   // pixels
 constexpr double kProfileReach = 0.35;  // of the squares' width, to both sides
 
 // Sigma of the edge between two corners: contrast / (sqrt(2 pi) steepest slope).

@@ -17,14 +17,21 @@ TEST(CalibrateAxis, FindsTheAxisOfANoisyRig) {
   table.angle_noise_deg = 0.05;
   table.numbers_anyhow = true;
   table.geometry.angle_scale = 1.0007;
-  const auto found = CalibrateAxis(table.board, table.camera, SimulateViews(table, Angles(0, 10, 37)));
+  const auto found =
+      CalibrateAxis(table.board, table.camera, SimulateViews(table, Angles(0, 10, 37)));
   ASSERT_TRUE(found) << found.error().text;
   const AxisError error = ErrorOf(*found, table);
-  printf("dir %g %g deg (sigma %g), offset %g %g (sigma %g), scale %g (%g), px %g angle %g, backlash %d closures %zu\n",
-         error.direction_deg.x(), error.direction_deg.y(), found->direction_sigma_deg, error.offset.x(), error.offset.y(), found->offset_sigma,
-         found->angle_scale - 1.0007, found->scale_sigma, found->corner_sigma_px, found->angle_sigma_deg, (int)found->backlash.has_value(), found->closures.size());
-  for (const auto& c : found->closures) printf("closure %g +- %g deg, %g\n", c.turned_deg, c.turned_sigma_deg, c.shift);
-  std::cout << CameraError(*found, table).transpose() << "\n" << found->covariance.diagonal().cwiseSqrt().transpose() << "\n";
+  printf(
+      "dir %g %g deg (sigma %g), offset %g %g (sigma %g), scale %g (%g), px %g angle %g, backlash "
+      "%d closures %zu\n",
+      error.direction_deg.x(), error.direction_deg.y(), found->direction_sigma_deg,
+      error.offset.x(), error.offset.y(), found->offset_sigma, found->angle_scale - 1.0007,
+      found->scale_sigma, found->corner_sigma_px, found->angle_sigma_deg,
+      (int)found->backlash.has_value(), found->closures.size());
+  for (const auto& c : found->closures)
+    printf("closure %g +- %g deg, %g\n", c.turned_deg, c.turned_sigma_deg, c.shift);
+  std::cout << CameraError(*found, table).transpose() << "\n"
+            << found->covariance.diagonal().cwiseSqrt().transpose() << "\n";
 }
 
 }  // namespace
