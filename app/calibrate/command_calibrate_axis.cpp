@@ -107,8 +107,8 @@ void PutAxis(const axis::AxisCalibration& axis, const CalibratedLens& lens,
   known.joint = rig::JointCovariance{{"X_WC", "angle_scale"}, axis.covariance};
   if (!axis.joint_covariance || lens.camera.intrinsics().size() > kMostIntrinsicsInFile) return;
   known.camera_model = lens.covariance;
-  known.joint = rig::JointCovariance{{"camera_model", "X_WC", "angle_scale"},
-                                     *axis.joint_covariance};
+  known.joint =
+      rig::JointCovariance{{"camera_model", "X_WC", "angle_scale"}, *axis.joint_covariance};
 }
 
 // Beside the calibration, named after it.
