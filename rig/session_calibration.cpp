@@ -26,7 +26,8 @@ Status CheckLens(const std::string& file, const calib::CameraModel& calibrated,
   const auto size = [](const calib::CameraModel& model) {
     return std::to_string(model.width()) + " x " + std::to_string(model.height());
   };
-  if (size(calibrated) != size(camera)) return differs("resolution", size(calibrated), size(camera));
+  if (size(calibrated) != size(camera))
+    return differs("resolution", size(calibrated), size(camera));
   if (calibrated.lens_model() != camera.lens_model())
     return differs("lens model", calibrated.lens_model(), camera.lens_model());
   for (std::size_t i = 0; i < camera.intrinsics().size(); ++i)
@@ -50,10 +51,12 @@ Status CheckPoses(const std::string& file, const RigCalibration& calibration,
         (session.root / kSessionFile).string() + ": frames/" + std::to_string(i) + "/";
     const auto angle = PoseAngleDeg(frame);
     if (!angle)
-      return InputError(key + "angle_deg: this key is missing, a session with a calibration needs "
-                              "it in every frame");
+      return InputError(key +
+                        "angle_deg: this key is missing, a session with a calibration needs "
+                        "it in every frame");
     const calib::RigPoses poses = calib::PosesAt(calibration.geometry, *angle);
-    const double length = std::max((poses.X_WC.translation - poses.X_WT.translation).norm(), 1e-300);
+    const double length =
+        std::max((poses.X_WC.translation - poses.X_WT.translation).norm(), 1e-300);
     for (const auto& [name, is, was] :
          {std::tuple("X_WC", &frame.X_WC, &poses.X_WC), {"X_WT", &frame.X_WT, &poses.X_WT}}) {
       const double difference = Difference(*is, *was, length);

@@ -17,8 +17,8 @@
 namespace turnlight::estimator::from_session {
 namespace {
 
-constexpr std::size_t kMostViews = 8;      // that a lens is looked at in
-constexpr int kPointsOfView = 32;          // on a sphere round the target
+constexpr std::size_t kMostViews = 8;  // that a lens is looked at in
+constexpr int kPointsOfView = 32;      // on a sphere round the target
 // Directions of the lens that are left out move the target's image together by less than this share
 // of what all do; then a sigma is off by 5e-5 of itself.
 constexpr double kLeastShare = 0.01;
@@ -41,8 +41,9 @@ std::vector<CalibratedPart> PartsOf(const rig::CalibrationCovariances& known) {
       {"X_WA",
        &known.X_WA,
        {"axis", "axis of the table", "calibrate axis with more angles, or a larger board"}},
-      {"X_AT", &known.X_AT, {"target-place", "target's place on the table",
-                             "calibrate target with more angles"}},
+      {"X_AT",
+       &known.X_AT,
+       {"target-place", "target's place on the table", "calibrate target with more angles"}},
       {"angle_scale",
        &known.angle_scale,
        {"angle-scale", "scale of the table's angles", "calibrate axis over a whole revolution"}},
@@ -96,8 +97,7 @@ MovedCalibration MovedBy(const std::shared_ptr<const Calibrated>& at, const Step
   if (has(5)) rig.angle_offset_deg += step.of_part[5][0];
   MovedCalibration out;
   for (const std::size_t frame : at->frames)
-    out.poses.push_back(
-        calib::PosesAt(rig, *rig::PoseAngleDeg(at->session.frames[frame])));
+    out.poses.push_back(calib::PosesAt(rig, *rig::PoseAngleDeg(at->session.frames[frame])));
   if (has(0)) {
     std::vector<double> intrinsics = at->calibration.lens.intrinsics();
     for (std::size_t i = 0; i < intrinsics.size(); ++i)
@@ -110,8 +110,7 @@ MovedCalibration MovedBy(const std::shared_ptr<const Calibrated>& at, const Step
   out.radiance = [at, radiometry](std::size_t k) -> Result<cv::Mat> {
     const auto images = rig::ReadFrameImages(at->session, at->frames[k]);
     if (!images) return Forward(images);
-    return calib::Linearise(images->image, radiometry,
-                            at->session.frames[at->frames[k]].exposure)
+    return calib::Linearise(images->image, radiometry, at->session.frames[at->frames[k]].exposure)
         .radiance;
   };
   return out;
@@ -195,8 +194,7 @@ CalibrationErrors ErrorsOf(const rig::RigCalibration& calibration, const rig::Se
     first.push_back(first.back() + block.root.cols());
     blocks.push_back(std::move(block));
   }
-  const Eigen::MatrixXd root =
-      JointRoot(JointCovarianceOf(calibration.covariances, parts), blocks);
+  const Eigen::MatrixXd root = JointRoot(JointCovarianceOf(calibration.covariances, parts), blocks);
   CalibrationErrors out;
   std::vector<Eigen::Index> column;  // of each item's first direction
   for (std::size_t i = 0; i < parts.size(); ++i) {

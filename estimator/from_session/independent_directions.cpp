@@ -11,9 +11,9 @@ constexpr double kRoundingShare = 1e-9;
 }  // namespace
 
 BlockRoot RootOf(const Eigen::MatrixXd& covariance) {
+  if (covariance.size() == 0) return {covariance, covariance};
   const Eigen::VectorXd sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse =
-      sigma.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const Eigen::VectorXd inverse = sigma.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * covariance *
                                                              inverse.asDiagonal());
   const Eigen::VectorXd& values = eigen.eigenvalues();
@@ -48,8 +48,7 @@ Eigen::MatrixXd JointRoot(const Eigen::MatrixXd& covariance, const std::vector<B
   const Eigen::MatrixXd correlation = inverse * covariance * inverse.transpose();
   if (correlation.isIdentity(kRoundingShare)) return root;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-  return root * eigen.eigenvectors() *
-         eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+  return root * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
          eigen.eigenvectors().transpose();
 }
 

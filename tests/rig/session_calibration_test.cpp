@@ -116,9 +116,8 @@ TEST_F(SessionCalibration, OfAnotherRigIsRefusedNamingWhatDiffers) {
 TEST_F(SessionCalibration, PosesAreThoseOfTheCalibration) {
   RigCalibration other = calibration_;
   other.geometry.angle_scale = 1.0;
-  EXPECT_THAT(Read(other).error().text,
-              AllOf(HasSubstr("session.json: frames/1/X_WT: differs by"),
-                    HasSubstr("from the pose at 120.04 deg")));
+  EXPECT_THAT(Read(other).error().text, AllOf(HasSubstr("session.json: frames/1/X_WT: differs by"),
+                                              HasSubstr("from the pose at 120.04 deg")));
   other = calibration_;
   other.geometry.X_WC.translation.x() += 1e-3;
   EXPECT_THAT(Read(other).error().text, HasSubstr("frames/0/X_WC: differs by"));
@@ -126,7 +125,8 @@ TEST_F(SessionCalibration, PosesAreThoseOfTheCalibration) {
   EXPECT_TRUE(Read(other)) << "rounding";
   session_.frames[1].angle_deg.reset();
   session_.frames[1].angle_measured_deg.reset();
-  EXPECT_THAT(Read(calibration_).error().text, HasSubstr("frames/1/angle_deg: this key is missing"));
+  EXPECT_THAT(Read(calibration_).error().text,
+              HasSubstr("frames/1/angle_deg: this key is missing"));
 }
 
 }  // namespace

@@ -72,8 +72,8 @@ struct Tally {
 };
 
 bool IsOfCalibration(const std::string& item) {
-  for (const char* name : {"lens", "camera-pose", "axis", "target-place", "angle-scale",
-                           "angle-offset", "response"})
+  for (const char* name :
+       {"lens", "camera-pose", "axis", "target-place", "angle-scale", "angle-offset", "response"})
     if (item == name) return true;
   return false;
 }
@@ -91,31 +91,37 @@ void Add(const Estimate& estimate, double error, double sigma, const SigmaOf& of
   tally.squares += ratio * ratio;
 }
 
-void Score(const Estimate& estimate, const model::Scene& truth, std::map<std::string, Tally>& tallies) {
+void Score(const Estimate& estimate, const model::Scene& truth,
+           std::map<std::string, Tally>& tallies) {
   using uncertainty::Uncertainty;
   const model::Reflectance& material = truth.reflectance;
   for (std::size_t l = 0; l < 2; ++l) {
     const LightEstimate& light = estimate.lights[l];
     const std::string name = "light " + std::to_string(l + 1);
     const Eigen::Vector3d& direction = truth.lights[l].direction;
-    Add(estimate, light.light.direction.cross(direction).norm(), light.direction_sigma,
+    Add(
+        estimate, light.light.direction.cross(direction).norm(), light.direction_sigma,
         [l](const Uncertainty& u) { return u.lights[l].direction; }, tallies[name + " direction"]);
-    Add(estimate, light.light.inverse_distance - truth.lights[l].inverse_distance,
+    Add(
+        estimate, light.light.inverse_distance - truth.lights[l].inverse_distance,
         light.inverse_distance_sigma,
         [l](const Uncertainty& u) { return u.lights[l].inverse_distance; },
         tallies[name + " inverse distance"]);
-    Add(estimate,
+    Add(
+        estimate,
         light.diffuse_product[0] -
             material.albedo[0] * material.diffuse * truth.lights[l].intensity,
         light.diffuse_product_sigma[0],
         [l](const Uncertainty& u) { return u.lights[l].diffuse_product[0]; },
         tallies[name + " diffuse product"]);
   }
-  Add(estimate, estimate.reflectance.shininess - material.shininess, *estimate.sigma.shininess,
+  Add(
+      estimate, estimate.reflectance.shininess - material.shininess, *estimate.sigma.shininess,
       [](const Uncertainty& u) { return u.shininess; }, tallies["shininess"]);
-  Add(estimate, estimate.ambient_product[0] - material.albedo[0] * material.ambient,
-      estimate.ambient_product_sigma[0],
-      [](const Uncertainty& u) { return u.ambient_product[0]; }, tallies["ambient product"]);
+  Add(
+      estimate, estimate.ambient_product[0] - material.albedo[0] * material.ambient,
+      estimate.ambient_product_sigma[0], [](const Uncertainty& u) { return u.ambient_product[0]; },
+      tallies["ambient product"]);
 }
 
 TEST(CalibrationCoverage, OfDrawsOfTheCalibration) {

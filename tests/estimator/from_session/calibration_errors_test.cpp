@@ -24,8 +24,8 @@ Eigen::VectorXd Values(const Estimate& estimate, const Estimate& at) {
   Eigen::Index i = 0;
   for (std::size_t l = 0; l < at.lights.size(); ++l) {
     const LightEstimate& light = estimate.lights[l];
-    out.segment<2>(i) = model::TangentBasis(at.lights[l].light.direction).transpose() *
-                        light.light.direction;
+    out.segment<2>(i) =
+        model::TangentBasis(at.lights[l].light.direction).transpose() * light.light.direction;
     out[i + 2] = light.light.inverse_distance;
     out.segment<3>(i + 3) = light.diffuse_product;
     i += 6;
@@ -37,9 +37,9 @@ Eigen::VectorXd Values(const Estimate& estimate, const Estimate& at) {
 
 class Carried : public testing::Test {
  protected:
-  void Prepare(const rig::sim::SyntheticTarget& target) {
+  void Prepare(const rig::sim::SyntheticTarget& target, const rig::CalibrationCovariances& known) {
     scene_ = MakeCalibratedScene(SmallRig(target), 6);
-    scene_->calibration.covariances = ExampleCovariances();
+    scene_->calibration.covariances = known;
     session_ = WriteCalibrated(*scene_, scene_->calibration, 3, folder_.path());
     auto estimated = EstimateSession(folder_.path());
     ASSERT_TRUE(estimated) << estimated.error().text;
@@ -64,10 +64,9 @@ class Carried : public testing::Test {
     options.model.specular = base.reflectance.specular_model;
     options.model.diffuse = base.reflectance.diffuse_model;
     options.model.near = true;
-    const auto again =
-        EstimateScene(keyframes, estimated_->geometry,
-                      calib::RayGrid(moved.lens ? *moved.lens : *estimated_->session.camera),
-                      options);
+    const auto again = EstimateScene(
+        keyframes, estimated_->geometry,
+        calib::RayGrid(moved.lens ? *moved.lens : *estimated_->session.camera), options);
     EXPECT_TRUE(again) << again.error().text;
     return Values(again->estimate, base);
   }
@@ -83,33 +82,37 @@ class Carried : public testing::Test {
     return sum;
   }
 
+  // Within a share, or within a twentieth of sigma_total, below which a solve is not that exact.
   void ExpectCarried(double share) const {
+    const Estimate& estimate = estimated_->output.estimate;
     for (std::size_t item = 0; item < errors_.items.size(); ++item) {
       const std::string& name = errors_.items[item].words.item;
       SCOPED_TRACE(name);
       const uncertainty::Uncertainty* said = nullptr;
-      for (const auto& part : estimated_->output.estimate.budget)
+      for (const auto& part : estimate.budget)
         if (part.words.item == name) said = &part.sigma;
       ASSERT_NE(said, nullptr);
       const Eigen::MatrixXd force = ByForce(item);
-      const auto near = [&](double value, Eigen::Index i, const char* what) {
-        EXPECT_NEAR(value, std::sqrt(force(i, i)), share * std::sqrt(force(i, i))) << what;
+      const auto near = [&](double value, Eigen::Index i, double total, const char* what) {
+        const double sigma = std::sqrt(force(i, i));
+        EXPECT_NEAR(value, sigma, std::max(share * sigma, 0.05 * total)) << what;
       };
       for (std::size_t l = 0; l < 2; ++l) {
         const Eigen::Index i = 6 * static_cast<Eigen::Index>(l);
+        const LightEstimate& light = estimate.lights[l];
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(force.block<2, 2>(i, i));
+        const Eigen::Vector2d sigma = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
         // Along the total's larger axis, which lies between the item's own.
-        EXPECT_GT(said->lights[l].direction,
-                  (1.0 - share) * std::sqrt(axes.eigenvalues()[0])) << "direction";
-        EXPECT_LT(said->lights[l].direction,
-                  (1.0 + share) * std::sqrt(axes.eigenvalues()[1])) << "direction";
-        near(said->lights[l].inverse_distance, i + 2, "inverse distance");
-        near(said->lights[l].diffuse_product[0], i + 3, "diffuse product");
+        const double least = 0.05 * light.direction_sigma, direction = said->lights[l].direction;
+        EXPECT_GT(direction, (1.0 - share) * sigma[0] - least) << "direction";
+        EXPECT_LT(direction, (1.0 + share) * sigma[1] + least) << "direction";
+        near(said->lights[l].inverse_distance, i + 2, light.inverse_distance_sigma, "distance");
+        near(said->lights[l].diffuse_product[0], i + 3, light.diffuse_product_sigma[0], "product");
       }
       const Eigen::Index last = force.rows();
-      near(said->specular, last - 3, "specular");
-      near(said->shininess, last - 2, "shininess");
-      near(said->ambient, last - 1, "ambient");
+      near(said->specular, last - 3, estimate.sigma.specular, "specular");
+      near(said->shininess, last - 2, *estimate.sigma.shininess, "shininess");
+      near(said->ambient, last - 1, estimate.sigma.ambient, "ambient");
     }
   }
 
@@ -124,19 +127,25 @@ class Carried : public testing::Test {
     using uncertainty::Uncertainty;
     for (std::size_t l = 0; l < estimate.lights.size(); ++l) {
       const LightEstimate& light = estimate.lights[l];
-      check(light.direction_sigma,
-            [l](const Uncertainty& u) { return u.lights[l].direction; }, "direction");
-      check(light.inverse_distance_sigma,
-            [l](const Uncertainty& u) { return u.lights[l].inverse_distance; },
-            "inverse distance");
-      check(*light.distance_sigma, [l](const Uncertainty& u) { return u.lights[l].distance; },
-            "distance");
-      check(light.diffuse_product_sigma[1],
-            [l](const Uncertainty& u) { return u.lights[l].diffuse_product[1]; }, "product");
+      check(
+          light.direction_sigma, [l](const Uncertainty& u) { return u.lights[l].direction; },
+          "direction");
+      check(
+          light.inverse_distance_sigma,
+          [l](const Uncertainty& u) { return u.lights[l].inverse_distance; }, "inverse distance");
+      check(
+          *light.distance_sigma, [l](const Uncertainty& u) { return u.lights[l].distance; },
+          "distance");
+      check(
+          light.diffuse_product_sigma[1],
+          [l](const Uncertainty& u) { return u.lights[l].diffuse_product[1]; }, "product");
     }
-    check(*estimate.sigma.shininess, [](const Uncertainty& u) { return u.shininess; }, "shininess");
-    check(estimate.sigma.albedo[1], [](const Uncertainty& u) { return u.albedo[1]; }, "albedo");
-    check(estimate.sigma.diffuse, [](const Uncertainty& u) { return u.diffuse; }, "diffuse");
+    check(
+        *estimate.sigma.shininess, [](const Uncertainty& u) { return u.shininess; }, "shininess");
+    check(
+        estimate.sigma.albedo[1], [](const Uncertainty& u) { return u.albedo[1]; }, "albedo");
+    check(
+        estimate.sigma.diffuse, [](const Uncertainty& u) { return u.diffuse; }, "diffuse");
   }
 
   TemporaryFolder folder_;
@@ -148,7 +157,7 @@ class Carried : public testing::Test {
 };
 
 TEST_F(Carried, IntoTheBudgetOfASphereAsWholeEstimatesAre) {
-  Prepare(calib::SphereShape{50.0});
+  Prepare(calib::SphereShape{50.0}, ExampleCovariances());
   ASSERT_FALSE(HasFailure());
   ExpectCarried(0.15);
   ExpectSquaresAddUp();
@@ -157,8 +166,10 @@ TEST_F(Carried, IntoTheBudgetOfASphereAsWholeEstimatesAre) {
 TEST_F(Carried, IntoTheBudgetOfAMeshAsWholeEstimatesAre) {
   rig::sim::Blob blob;
   blob.radius = 50.0;
-  blob.segments = 48;
-  Prepare(blob);
+  blob.segments = 32;
+  rig::CalibrationCovariances known;
+  known.X_AT = PoseCovariance(0.1, 0.15);
+  Prepare(blob, known);
   ASSERT_FALSE(HasFailure());
   ExpectCarried(0.2);
   ExpectSquaresAddUp();

@@ -1,6 +1,6 @@
-// Proves: the columns are a square root of the joint covariance, singular ones and rows of different
-// units included; blocks that are not correlated have columns of their own rows alone; and the
-// order of blocks does not matter. Nothing is proven of what the blocks mean.
+// Proves: the columns are a square root of the joint covariance, singular ones and rows of
+// different units included; blocks that are not correlated have columns of their own rows alone;
+// and the order of blocks does not matter. Nothing is proven of what the blocks mean.
 #include "estimator/from_session/independent_directions.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ Eigen::MatrixXd Covariance(Eigen::Index size, Eigen::Index rank) {
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index k = 0; k < rank; ++k)
       root(i, k) = std::pow(10.0, static_cast<double>(i % 4) - 2.0) *
-                   std::sin(1.0 + 3.0 * static_cast<double>(i + k * size));
+                   std::sin(1.0 + static_cast<double>((i + 3 * k) * (i + k * size)));
   return root * root.transpose();
 }
 

@@ -23,7 +23,8 @@ class MovedPixels : public testing::Test {
     rays_.emplace(session_->camera);
     all_ = BuildObservations(keyframes_, *geometry_, *rays_);
     sample_ = SampleOfKeyframes(all_, 300, 1, nullptr);
-    for (const model::Keyframe& keyframe : keyframes_) poses_.push_back({keyframe.X_WC, keyframe.X_WT});
+    for (const model::Keyframe& keyframe : keyframes_)
+      poses_.push_back({keyframe.X_WC, keyframe.X_WT});
   }
 
   // The largest difference of positions (in R) and of mirrored directions, from those that the
@@ -36,8 +37,7 @@ class MovedPixels : public testing::Test {
       for (std::size_t j = built.tile_begin[k] * kTile; j < built.tile_begin[k + 1] * kTile; ++j) {
         if (built.pixel[j] != moved.pixel[i]) continue;
         const Eigen::Vector3d shift = (built.reference - moved.reference) / built.radius;
-        largest = std::max({largest,
-                            (At(moved.position, i) - At(built.position, j) - shift).norm(),
+        largest = std::max({largest, (At(moved.position, i) - At(built.position, j) - shift).norm(),
                             (At(moved.normal, i) - At(built.normal, j)).norm(),
                             (At(moved.mirrored, i) - At(built.mirrored, j)).norm()});
       }
@@ -57,8 +57,7 @@ class MovedPixels : public testing::Test {
 
 TEST_F(MovedPixels, FromWhereTheyWereAreAsTheyWere) {
   EXPECT_GT(sample_.pixels.used, 200u);
-  const Observations same =
-      Moved(sample_, poses_, &session_->camera, *geometry_, *rays_, seen_);
+  const Observations same = Moved(sample_, poses_, &session_->camera, *geometry_, *rays_, seen_);
   EXPECT_LT(Difference(same, all_), 1e-6);
   EXPECT_EQ(std::count(seen_.begin(), seen_.end(), 1),
             static_cast<std::ptrdiff_t>(sample_.pixels.used));
@@ -67,9 +66,9 @@ TEST_F(MovedPixels, FromWhereTheyWereAreAsTheyWere) {
 TEST_F(MovedPixels, FromElsewhereAreThoseOfMovedKeyframes) {
   std::vector<model::Keyframe> moved = keyframes_;
   for (std::size_t k = 0; k < moved.size(); ++k) {
-    poses_[k].X_WC = {calib::Turn(Eigen::Vector3d::UnitX(), 1e-3).rotation *
-                          poses_[k].X_WC.rotation,
-                      poses_[k].X_WC.translation + Eigen::Vector3d(0.3, -0.2, 0.5)};
+    poses_[k].X_WC = {
+        calib::Turn(Eigen::Vector3d::UnitX(), 1e-3).rotation * poses_[k].X_WC.rotation,
+        poses_[k].X_WC.translation + Eigen::Vector3d(0.3, -0.2, 0.5)};
     moved[k].X_WC = poses_[k].X_WC;
   }
   const Observations built = BuildObservations(moved, *geometry_, *rays_);
@@ -84,15 +83,13 @@ TEST_F(MovedPixels, AShiftedLensSeesWhatItsRaysSee) {
   intrinsics[0] *= 1.002;
   intrinsics[2] += 0.3;
   const calib::CameraModel lens = session_->camera.WithIntrinsics(intrinsics);
-  const Observations built =
-      BuildObservations(keyframes_, *geometry_, calib::RayGrid(lens));
+  const Observations built = BuildObservations(keyframes_, *geometry_, calib::RayGrid(lens));
   const Observations seen = Moved(sample_, poses_, &lens, *geometry_, *rays_, seen_);
   EXPECT_LT(Difference(seen, built), 0.01 * Difference(seen, all_));
 }
 
 TEST_F(MovedPixels, WhatLosesTheSurfaceIsToldAndStays) {
-  for (calib::RigPoses& pose : poses_)
-    pose.X_WC.translation += 40.0 * pose.X_WC.rotation.col(0);
+  for (calib::RigPoses& pose : poses_) pose.X_WC.translation += 40.0 * pose.X_WC.rotation.col(0);
   const Observations seen = Moved(sample_, poses_, nullptr, *geometry_, *rays_, seen_);
   std::size_t lost = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
