@@ -8,6 +8,7 @@
 
 namespace turnlight::app {
 
-// One line for each part: void AddCalibratePART(CLI::App& calibrate, Action& action);
+// One line for each part.
+void AddCalibrateTarget(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app
