@@ -44,7 +44,7 @@ void RemarkOnShadow(const Segmentation& found, bool colour, PictureView& seen) {
         seen.view.label.c_str(), percent, colour ? "" : ", which a grey picture cannot tell apart"));
 }
 
-void Segment(const cv::Mat& picture, const cv::Mat& empty, PictureView& seen) {
+void FindTarget(const cv::Mat& picture, const cv::Mat& empty, PictureView& seen) {
   const auto found =
       empty.empty() ? SegmentBright(picture) : SegmentAgainstEmpty(picture, empty);
   if (!found) {
@@ -74,7 +74,7 @@ Result<PictureView> ViewOfPicture(const Pictures& pictures, double angle_deg,
   seen.view.angle_deg = angle_deg;
   seen.view.label = label;
   if (pictures.mask.empty())
-    Segment(picture, empty, seen);
+    FindTarget(picture, empty, seen);
   else
     seen.mask = pictures.mask;
   if (seen.mask.empty()) return seen;
