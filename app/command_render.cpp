@@ -48,6 +48,7 @@ struct PictureFormat {
 PictureFormat ChooseFormat(const rig::Session& session) {
   PictureFormat format{session.radiometry};
   calib::Radiometry& radiometry = format.radiometry;
+  radiometry.noise.reset();
   const std::string extension = fs::path(session.frames.front().image).extension();
   if (extension == ".exr" || radiometry.white <= 1.0 || radiometry.white > kMax16) {
     format.depth = CV_32F;

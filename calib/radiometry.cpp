@@ -8,46 +8,19 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "calib/transfer.h"
 
 namespace turnlight::calib {
 namespace {
-
-// IEC 61966-2-1. The linear part goes on below 0.
-constexpr double kSrgbKnee = 0.04045;
-constexpr double kSrgbSlope = 12.92;
-
-double Decode(double s, const Radiometry& radiometry) {
-  switch (radiometry.encoding) {
-    case Encoding::kLinear:
-      return s;
-    case Encoding::kSrgb:
-      return s <= kSrgbKnee ? s / kSrgbSlope : std::pow((s + 0.055) / 1.055, 2.4);
-    case Encoding::kGamma:
-      return std::copysign(std::pow(std::abs(s), radiometry.gamma), s);
-  }
-  return s;
-}
-
-double EncodeUnit(double r, const Radiometry& radiometry) {
-  switch (radiometry.encoding) {
-    case Encoding::kLinear:
-      return r;
-    case Encoding::kSrgb:
-      return r <= kSrgbKnee / kSrgbSlope ? r * kSrgbSlope : 1.055 * std::pow(r, 1.0 / 2.4) - 0.055;
-    case Encoding::kGamma:
-      return std::copysign(std::pow(std::abs(r), 1.0 / radiometry.gamma), r);
-  }
-  return r;
-}
 
 // Grey pictures are balanced as green, the channel that grey sensors resemble most.
 double WhiteBalance(const Radiometry& radiometry, int channels, int channel) {
   return radiometry.white_balance[static_cast<std::size_t>(channels == 1 ? 1 : channel)];
 }
 
-double RadianceOfDn(double dn, const Radiometry& radiometry, double scale) {
-  return Decode((dn - radiometry.black) / (radiometry.white - radiometry.black), radiometry) *
-         scale;
+double RadianceOfDn(double dn, const Radiometry& radiometry, const Transfer& transfer,
+                    double scale) {
+  return transfer.Decode((dn - radiometry.black) / (radiometry.white - radiometry.black)) * scale;
 }
 
 // The radiance of each digital number, per channel: row c, column DN. T is 8 or 16 bits.
@@ -56,8 +29,9 @@ std::vector<std::vector<float>> Tables(const Radiometry& radiometry, double fact
   constexpr std::size_t kCount = std::size_t{1} << (8 * sizeof(T));
   std::vector<std::vector<float>> tables(static_cast<std::size_t>(channels),
                                          std::vector<float>(kCount));
+  const Transfer transfer(radiometry);
   for (std::size_t dn = 0; dn < kCount; ++dn) {
-    const double radiance = RadianceOfDn(static_cast<double>(dn), radiometry, factor);
+    const double radiance = RadianceOfDn(static_cast<double>(dn), radiometry, transfer, factor);
     for (int c = 0; c < channels; ++c)
       tables[static_cast<std::size_t>(c)][dn] =
           static_cast<float>(radiance / WhiteBalance(radiometry, channels, c));
@@ -94,6 +68,7 @@ void LineariseFloats(const cv::Mat& image, const Radiometry& radiometry, double 
                      LinearImage& out) {
   const int channels = image.channels();
   const double saturation = radiometry.SaturationDn();
+  const Transfer transfer(radiometry);
   ParallelFor(static_cast<std::size_t>(image.rows), [&](std::size_t index) {
     const int row = static_cast<int>(index);
     const float* in = image.ptr<float>(row);
@@ -103,7 +78,7 @@ void LineariseFloats(const cv::Mat& image, const Radiometry& radiometry, double 
       bool clipped = false;
       for (int c = 0; c < channels; ++c) {
         const double dn = in[x * channels + c];
-        const auto value = static_cast<float>(RadianceOfDn(dn, radiometry, factor) /
+        const auto value = static_cast<float>(RadianceOfDn(dn, radiometry, transfer, factor) /
                                               WhiteBalance(radiometry, channels, c));
         const bool usable = std::isfinite(dn) && std::isfinite(value);
         radiance[x * channels + c] = usable ? value : 0.0f;
@@ -112,6 +87,95 @@ void LineariseFloats(const cv::Mat& image, const Radiometry& radiometry, double 
       saturated[x] = clipped ? 255 : 0;
     }
   });
+}
+
+void RemoveVignetting(const Vignetting& vignetting, LinearImage& image) {
+  const int channels = image.radiance.channels();
+  ParallelFor(static_cast<std::size_t>(image.radiance.rows), [&](std::size_t index) {
+    const int row = static_cast<int>(index);
+    float* radiance = image.radiance.ptr<float>(row);
+    for (int x = 0; x < image.radiance.cols; ++x) {
+      const double share = vignetting.ShareAt(x, row);
+      if (share == 0.0) image.saturated(row, x) = 255;
+      for (int c = 0; share != 0.0 && c < channels; ++c)
+        radiance[x * channels + c] = static_cast<float>(radiance[x * channels + c] / share);
+      if (share != 0.0 && !image.variance.empty())
+        image.variance(row, x) = static_cast<float>(image.variance(row, x) / (share * share));
+    }
+  });
+}
+
+constexpr double kRoundingVariance = 1.0 / 12.0;  // of whole DN
+constexpr int kReach = 2;                         // of a neighbourhood: 5 x 5
+
+// The variance of linear DN at a DN.
+double VarianceAt(double dn, const Radiometry& radiometry, const Transfer& transfer, double gain,
+                  bool rounded) {
+  const double range = radiometry.white - radiometry.black;
+  const auto linear = [&](double at) { return RadianceOfDn(at, radiometry, transfer, range); };
+  const double slope = rounded ? linear(dn + 0.5) - linear(dn - 0.5) : 0.0;
+  const NoiseModel& noise = *radiometry.noise;
+  return gain * gain * noise.read_noise_dn * noise.read_noise_dn +
+         gain * noise.dn_per_electron * std::max(linear(dn), 0.0) +
+         kRoundingVariance * slope * slope;
+}
+
+// The mean of a channel over the pixels around one, without its own. Between these bounds: what is
+// broken must not spread. values: CV_32F.
+double MeanAround(const cv::Mat& values, int row, int x, int channel, double low, double high) {
+  double sum = 0.0;
+  int count = 0;
+  for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, values.rows - 1); ++r)
+    for (int c = std::max(x - kReach, 0); c <= std::min(x + kReach, values.cols - 1); ++c) {
+      const double value = values.ptr<float>(r)[c * values.channels() + channel];
+      if ((r == row && c == x) || std::isnan(value)) continue;
+      sum += std::clamp(value, low, high);
+      ++count;
+    }
+  return count > 0 ? sum / count : low;
+}
+
+cv::Mat1f Variances(const cv::Mat& image, const Radiometry& radiometry, const Exposure& exposure,
+                    double factor) {
+  const bool rounded = image.depth() != CV_32F;
+  cv::Mat values;
+  image.convertTo(values, CV_32F);
+  const double low = std::max(2.0 * radiometry.black - radiometry.white, rounded ? 0.0 : -HUGE_VAL),
+               high = std::max(radiometry.white, radiometry.SaturationDn());
+  const int channels = image.channels();
+  const double gain = std::pow(
+      10.0, (exposure.gain_db - radiometry.noise->gain_db.value_or(exposure.gain_db)) / 20.0);
+  const Transfer transfer(radiometry);
+  const auto variance_at = [&](double dn) {
+    return VarianceAt(dn, radiometry, transfer, gain, rounded);
+  };
+  std::vector<double> table;  // whole DN are few
+  if (rounded) {
+    const std::size_t count = image.depth() == CV_8U ? 256 : 65536;
+    for (std::size_t dn = 0; dn < count; ++dn)
+      table.push_back(variance_at(static_cast<double>(dn)));
+  }
+  std::array<double, 3> scale{};  // DN to radiance
+  for (int c = 0; c < channels; ++c)
+    scale[static_cast<std::size_t>(c)] =
+        factor / ((radiometry.white - radiometry.black) * WhiteBalance(radiometry, channels, c));
+  cv::Mat1f out(image.size());
+  ParallelFor(static_cast<std::size_t>(image.rows), [&](std::size_t index) {
+    const int row = static_cast<int>(index);
+    for (int x = 0; x < image.cols; ++x) {
+      double sum = 0.0;
+      for (int c = 0; c < channels; ++c) {
+        const double s = scale[static_cast<std::size_t>(c)];
+        const double dn = MeanAround(values, row, x, c, low, high);
+        sum += s * s *
+               (rounded ? table[static_cast<std::size_t>(
+                              std::min(std::lround(dn), static_cast<long>(table.size() - 1)))]
+                        : variance_at(dn));
+      }
+      out(row, x) = static_cast<float>(sum / channels);
+    }
+  });
+  return out;
 }
 
 // Rounds to nearest and clips; NaN becomes 0.
@@ -130,19 +194,34 @@ template <typename T>
 void EncodeRows(const cv::Mat& radiance, const Radiometry& radiometry, double factor,
                 cv::Mat& out) {
   const int channels = radiance.channels();
+  const Transfer transfer(radiometry);
   ParallelFor(static_cast<std::size_t>(radiance.rows), [&](std::size_t index) {
     const int row = static_cast<int>(index);
     const float* in = radiance.ptr<float>(row);
     T* dn = out.ptr<T>(row);
     for (int i = 0; i < radiance.cols * channels; ++i) {
       const double balance = WhiteBalance(radiometry, channels, i % channels);
-      const double s = EncodeUnit(in[i] * balance / factor, radiometry);
+      const double share =
+          radiometry.vignetting ? radiometry.vignetting->ShareAt(i / channels, row) : 1.0;
+      const double s = transfer.Encode(in[i] * balance * share / factor);
       dn[i] = ToDn<T>(radiometry.black + s * (radiometry.white - radiometry.black));
     }
   });
 }
 
 }  // namespace
+
+double Vignetting::Share(double q) const {
+  double sum = 0.0;
+  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) sum = (sum + *c) * q;
+  return 1.0 + sum;
+}
+
+double Vignetting::ShareAt(double x, double y) const {
+  const double dx = x - center_x, dy = y - center_y;
+  const double q = (dx * dx + dy * dy) / (radius * radius);
+  return q <= 1.0 ? Share(q) : 0.0;
+}
 
 double ExposureFactor(const Radiometry& radiometry, const Exposure& exposure) {
   const double gain = exposure.gain_db - radiometry.reference_gain_db.value_or(0.0);
@@ -173,6 +252,8 @@ LinearImage Linearise(const cv::Mat& image, const Radiometry& radiometry,
     default:
       assert(false && "depth is CV_8U, CV_16U or CV_32F");
   }
+  if (radiometry.noise) out.variance = Variances(image, radiometry, exposure, factor);
+  if (radiometry.vignetting) RemoveVignetting(*radiometry.vignetting, out);
   return out;
 }
 

@@ -252,6 +252,7 @@ void Wire<Keyframe>::Encode(const Keyframe& keyframe, WireWriter& out) {
   PutImage(keyframe.linear.saturated, out);
   PutPose(keyframe.X_WC, out);
   PutPose(keyframe.X_WT, out);
+  if (!keyframe.linear.variance.empty()) PutImage(keyframe.linear.variance, out);
 }
 Keyframe Wire<Keyframe>::Decode(WireReader& in) {
   Keyframe keyframe;
@@ -267,6 +268,13 @@ Keyframe Wire<Keyframe>::Decode(WireReader& in) {
   keyframe.linear.saturated = GetMask(in);
   keyframe.X_WC = GetPose(in);
   keyframe.X_WT = GetPose(in);
+  if (in.Left() > 0) {  // a rig whose noise is known
+    const cv::Mat variance = GetImage(in);
+    if (variance.type() == CV_32FC1)
+      keyframe.linear.variance = variance;
+    else
+      in.Fail("a variance that is no picture of floats");
+  }
   return keyframe;
 }
 

@@ -9,6 +9,7 @@
 namespace turnlight::app {
 
 // One line for each part.
+void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateTarget(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

@@ -105,8 +105,10 @@ Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyfr
     return !StopRequested(watch.stop);
   };
   if (!enter(Part::kObserve)) return InterruptedError();
-  const auto observed = observe::ObserveScene(keyframes, geometry, rays);
+  auto observed = observe::ObserveScene(keyframes, geometry, rays);
   if (!observed) return Forward(observed);
+  observed->pixels.variance.clear();  // to the paper all pixels are alike
+  observed->pixels.weight.clear();
   const observe::Observations& all = observed->pixels;
   if (!enter(Part::kStart)) return InterruptedError();
   EstimateOutput out;

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
+#include "estimator/observe/radiance_statistics.h"
 
 namespace turnlight::estimator::observe {
 namespace {
@@ -19,6 +21,30 @@ bool ChannelsAreEqual(const std::vector<model::Keyframe>& keyframes) {
       if (value[0] != value[1] || value[1] != value[2]) return false;
   }
   return true;
+}
+
+// What footprints and edges leave even of clean pictures, as a share of the brightest radiance: how
+// much dark pixels may count for.
+constexpr double kModelFloor = 5e-4;
+
+// The weights from the variances of all.
+void SetWeights(Observations& all) {
+  const double floor = kModelFloor * BrightestRadiance(all);
+  const auto variance = [&](std::size_t i) {
+    return static_cast<float>(static_cast<double>(all.variance[i]) + floor * floor);
+  };
+  std::vector<float> variances;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel) variances.push_back(variance(i));
+  const float reference = Median(variances);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel && variance(i) > 0.0f)
+      all.weight[i] = std::sqrt(reference / variance(i));
+}
+
+void AllowForNoise(Observations& all) {
+  all.variance.assign(all.size(), 0.0f);
+  all.weight.assign(all.size(), 1.0f);
 }
 
 void Pack(const model::Keyframe& keyframe, const FramePixels& frame, std::uint32_t index,
@@ -43,6 +69,7 @@ void Pack(const model::Keyframe& keyframe, const FramePixels& frame, std::uint32
     const float* value =
         image.ptr<float>(row) + static_cast<std::ptrdiff_t>(column) * image.channels();
     for (int c = 0; c < out.channels; ++c) out.radiance[c][at] = value[c];
+    if (!out.variance.empty()) out.variance[at] = keyframe.image.variance(row, column);
     if (out.caster != nullptr) {
       out.keyframe[at] = index;
       for (int k = 0; k < 3; ++k) out.face_normal[k][at] = static_cast<float>(g.face_normal[k]);
@@ -97,9 +124,14 @@ Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
   }
   if (out.used > 0) out.reference = sum / static_cast<double>(out.used);
   out.Resize(out.tile_begin.back() * kTile);
+  if (!keyframes.empty() &&
+      std::none_of(keyframes.begin(), keyframes.end(),
+                   [](const model::Keyframe& keyframe) { return keyframe.image.variance.empty(); }))
+    AllowForNoise(out);
   ParallelFor(keyframes.size(), [&](std::size_t k) {
     Pack(keyframes[k], frames[k], static_cast<std::uint32_t>(k), out);
   });
+  if (!out.weight.empty() && out.used > 0) SetWeights(out);
   if (flags) {
     flags->clear();
     for (FramePixels& frame : frames) flags->push_back(std::move(frame.flags));
@@ -125,6 +157,11 @@ Observations Concatenate(const std::vector<Observations>& parts) {
   }
   if (out.used > 0) out.reference = sum / static_cast<double>(out.used);
   out.Resize(tiles * kTile);
+  const bool weighted =
+      !parts.empty() && std::all_of(parts.begin(), parts.end(), [](const Observations& part) {
+        return part.size() == 0 || !part.variance.empty();
+      });
+  if (weighted) AllowForNoise(out);
   std::size_t at = 0;
   std::uint32_t first_keyframe = 0;
   const auto put = [&at](const auto& from, auto& to) {
@@ -144,6 +181,7 @@ Observations Concatenate(const std::vector<Observations>& parts) {
       put(part.step[k], out.step[k]);
     }
     put(part.pixel, out.pixel);
+    if (weighted) put(part.variance, out.variance);
     if (out.caster != nullptr) {
       for (int k = 0; k < 3; ++k) put(part.face_normal[k], out.face_normal[k]);
       for (std::size_t i = 0; i < part.size(); ++i)
@@ -154,6 +192,7 @@ Observations Concatenate(const std::vector<Observations>& parts) {
               out.tile_footprint.begin() + static_cast<std::ptrdiff_t>(at / kTile));
     at += part.size();
   }
+  if (weighted && out.used > 0) SetWeights(out);
   return out;
 }
 

@@ -2,7 +2,7 @@
 //
 // Coordinates are the solver's: about a reference point in W, lengths divided by the target's
 // radius R, axes those of W. In single precision: 76 bytes a pixel with colour, 68 without, and 16
-// more where the target can shadow itself.
+// more where the target can shadow itself, and 8 where the sensor's noise is known.
 #pragma once
 
 #include <Eigen/Core>
@@ -40,7 +40,12 @@ struct Observations {
       footprint;                               // dw/du (3), dw/dv (3): change of w across the pixel
   std::array<std::vector<BFloat16>, 6> step;   // dx/du, dx/dv: change of x across the pixel
   std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
+  double level = 1.0;                          // what the keyframes' radiances were multiplied by
   std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
+  // Where the sensor's noise is known, else empty: of a pixel's radiances (the mean over the
+  // channels), and what it weighs in residuals: the reference sigma over its own, so that weighted
+  // residuals are in radiance still. The reference is the median pixel's.
+  std::vector<float> variance, weight;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
 
   // Only where the target can shadow itself: what it takes to cast shadows on it.
@@ -58,19 +63,22 @@ struct Observations {
   static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
   // So many entries, all of them filling. channels and caster must be set.
   void Resize(std::size_t size);
+  double WeightOf(std::size_t i) const {
+    return weight.empty() ? 1.0 : static_cast<double>(weight[i]);
+  }
   std::size_t size() const { return pixel.size(); }
   std::size_t tiles() const { return pixel.size() / kTile; }
 };
 
 // Builds the observations of keyframes, in parallel, deterministically. flags (optional) receives
 // one picture of PixelFlag bits per keyframe. Colour pictures whose channels are the same
-// everywhere are taken as grey.
+// everywhere are taken as grey. Weighted if all keyframes have variances.
 Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
                                const target::Geometry& geometry, const calib::RayGrid& rays,
                                std::vector<cv::Mat1b>* flags = nullptr);
 
 // The observations of several keyframes, each built alone, as if built together: about the centroid
-// of all. Parts must share geometry; none may be a subsample.
+// of all. Parts must share geometry; none may be a subsample. Weighted if all parts are.
 Observations Concatenate(const std::vector<Observations>& parts);
 
 }  // namespace turnlight::estimator::observe

@@ -24,9 +24,10 @@ double EstimateNoise(const Observations& all) {
     if (all.pixel[i] == Observations::kNoPixel || all.pixel[i - 1] + 1 != all.pixel[i] ||
         all.pixel[i] + 1 != all.pixel[i + 1])
       continue;
+    const float weight = all.weight.empty() ? 1.0f : all.weight[i];
     for (int c = 0; c < all.channels; ++c)
-      differences.push_back(
-          std::abs(all.radiance[c][i - 1] - 2.0f * all.radiance[c][i] + all.radiance[c][i + 1]));
+      differences.push_back(weight * std::abs(all.radiance[c][i - 1] - 2.0f * all.radiance[c][i] +
+                                              all.radiance[c][i + 1]));
   }
   return SigmaOfSecondDifference(static_cast<double>(Median(differences)), kMedianOfNormal);
 }

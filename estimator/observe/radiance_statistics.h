@@ -8,7 +8,8 @@
 namespace turnlight::estimator::observe {
 
 // Standard deviation of the pixels' noise, in radiance: the median absolute second difference along
-// rows, which smooth shading hardly moves. An upper bound where texture or highlights rule.
+// rows, which smooth shading hardly moves; of weighted pixels the reference's. An upper bound where
+// texture or highlights rule.
 double EstimateNoise(const Observations& observations);
 
 // Per-channel median radiance, the paper's start for the diffuse colour (Wood et al., 2000).

@@ -29,7 +29,8 @@ double RobustSigma(const observe::Observations& all, const model::Scene& scene,
   for (int c = 0; c < all.channels; ++c)
     for (std::size_t i = 0; i < all.size(); ++i)
       if (all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0))
-        residuals.push_back(std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
+        residuals.push_back((all.weight.empty() ? 1.0f : all.weight[i]) *
+                            std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
   return static_cast<double>(Median(residuals)) / kMedianOfNormal;
 }
 

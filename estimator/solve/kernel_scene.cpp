@@ -115,6 +115,7 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
   model.shininess = r.shininess;
   model.specular_model = KernelSpecular(r.specular_model);
   model.huber = options.huber;
+  model.weighted = !observations.weight.empty();
   model.gradient_only = options.gradient_only;
   FillOrenNayar(model, r);
   FillQuadrature(options.aperture, model);
@@ -144,6 +145,7 @@ KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& o
     pixels.step[k] = all.step[k].data() + at;
   }
   pixels.pixel = all.pixel.data() + at;
+  pixels.weight = all.weight.empty() ? nullptr : all.weight.data() + at;
   pixels.samples =
       options.samples_per_side.empty() ? nullptr : options.samples_per_side.data() + tile;
   pixels.tiles = tiles;

@@ -67,9 +67,10 @@ std::optional<model::Light> MostMissingLight(const observe::Observations& pixels
     for (std::size_t c = 0; c < model.size(); ++c)
       for (std::size_t i = 0; i < pixels.size(); ++i) {
         if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
-        const auto by = static_cast<double>(change[c][i]);
-        slope +=
-            by * (static_cast<double>(model[c][i]) - static_cast<double>(pixels.radiance[c][i]));
+        const double weight = pixels.WeightOf(i);
+        const double by = weight * static_cast<double>(change[c][i]);
+        slope += by * weight *
+                 (static_cast<double>(model[c][i]) - static_cast<double>(pixels.radiance[c][i]));
         curvature += by * by;
       }
     if (!(slope < 0.0) || !(slope * slope > most * curvature)) continue;

@@ -19,7 +19,7 @@ namespace turnlight::estimator::solve {
 struct NormalEquations {
   Eigen::MatrixXd hessian;   // J^T J, Columns::count() squared, symmetric
   Eigen::VectorXd gradient;  // J^T r, r = model - observed
-  double cost = 0.0;         // sum of r^2 / 2 over pixels and channels
+  double cost = 0.0;         // sum of r^2 / 2 over pixels and channels; r weighted, if pixels are
 };
 
 // scene is in the observations' coordinates (about the reference, lengths / R), lights white.

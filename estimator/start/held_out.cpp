@@ -29,7 +29,8 @@ Fit Explain(const observe::Observations& pixels, const model::Scene& scene) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
       const auto model = static_cast<double>(fit.model[static_cast<std::size_t>(c)][i]);
-      const double residual = model - static_cast<double>(pixels.radiance[c][i]);
+      const double residual =
+          pixels.WeightOf(i) * (model - static_cast<double>(pixels.radiance[c][i]));
       fit.square += residual * residual;
       fit.sum += model;
     }

@@ -104,7 +104,8 @@ TiltResponse TiltNormals(const observe::Observations& pixels, const model::Scene
       const Eigen::Vector3d by(static_cast<double>(slopes[0][c][i]),
                                static_cast<double>(slopes[1][c][i]),
                                static_cast<double>(slopes[2][c][i]));
-      out.information += by * by.transpose();
+      const double weight = pixels.WeightOf(i);
+      out.information += weight * weight * by * by.transpose();
       out.by_any[i] += by.squaredNorm();
     }
   }

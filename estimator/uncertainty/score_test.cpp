@@ -26,7 +26,7 @@ ScoreProbe::ScoreProbe(const observe::Observations& pixels, const model::Scene& 
     for (std::size_t c = 0; c < model_.size(); ++c)
       square += std::pow(
           static_cast<double>(model_[c][i]) - static_cast<double>(pixels.radiance[c][i]), 2);
-    const double rms = std::sqrt(square / static_cast<double>(model_.size()));
+    const double rms = pixels.WeightOf(i) * std::sqrt(square / static_cast<double>(model_.size()));
     const bool far = options.huber > 0.0 && rms > options.huber;
     weight_[i] = far ? static_cast<float>(options.huber / rms) : 1.0f;
   }
@@ -37,12 +37,13 @@ Score ScoreProbe::Of(const solve::Prediction& change, double times) const {
   observe::Observations other = pixels_;  // whose residuals are larger by the change
   for (std::size_t c = 0; c < model_.size(); ++c)
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
-      const double by = static_cast<double>(change[c][i]), weight = static_cast<double>(weight_[i]);
+      const double by = static_cast<double>(change[c][i]), loss = static_cast<double>(weight_[i]);
+      const double own = pixels_.WeightOf(i), weight = loss * own * own;
       out.slope +=
           weight * by *
           (static_cast<double>(model_[c][i]) - static_cast<double>(pixels_.radiance[c][i]));
       out.curvature += weight * by * by;
-      other.radiance[c][i] -= static_cast<float>(weight * by);
+      other.radiance[c][i] -= static_cast<float>(loss * by);  // the fit weighs it by its noise
     }
   out.cross_hessian = times * (solve::Evaluate(other, scene_, squares_).gradient - gradient_);
   out.slope *= times;

@@ -199,6 +199,7 @@ calib::Radiometry SessionRadiometry(const calib::Radiometry& raw,
                                     const std::vector<double>& exposures_us, double gain_db) {
   calib::Radiometry radiometry = RawRadiometry(raw, exposures_us, gain_db);
   if (exposures_us.size() < 2) return radiometry;
+  radiometry.noise.reset();  // of a mean that is weighted pixel by pixel
   const double shortest = *std::min_element(exposures_us.begin(), exposures_us.end());
   const double range = radiometry.white - radiometry.black;
   radiometry.saturation = (radiometry.SaturationDn() - radiometry.black) / range *

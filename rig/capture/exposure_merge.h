@@ -53,7 +53,7 @@ Result<MergedFrame> MergeExposures(const std::vector<ExposedImage>& bracket,
 calib::Radiometry RawRadiometry(const calib::Radiometry& raw,
                                 const std::vector<double>& exposures_us, double gain_db);
 // The radiometry of a session's frames. One exposure: RawRadiometry. A bracket: linear, black 0,
-// white 1, saturation where the shortest exposure clips.
+// white 1, saturation where the shortest exposure clips, and no noise model.
 calib::Radiometry SessionRadiometry(const calib::Radiometry& raw,
                                     const std::vector<double>& exposures_us, double gain_db);
 

@@ -15,6 +15,7 @@
 #include "rig/session/image_file.h"
 #include "rig/session/picture_difference.h"
 #include "rig/session/session.h"
+#include "rig/session/session_fields.h"
 
 namespace turnlight::rig {
 namespace {
@@ -95,8 +96,9 @@ json RadiometryToJson(const Session& session) {
   };
   static const std::map<calib::Encoding, std::string> kWords{{calib::Encoding::kLinear, "linear"},
                                                              {calib::Encoding::kSrgb, "srgb"},
-                                                             {calib::Encoding::kGamma, "gamma"}};
-  return {
+                                                             {calib::Encoding::kGamma, "gamma"},
+                                                             {calib::Encoding::kCurve, "curve"}};
+  json object{
       {"encoding", kWords.at(radiometry.encoding)},
       {"gamma", radiometry.encoding == calib::Encoding::kGamma ? json(radiometry.gamma) : json()},
       {"black", radiometry.black},
@@ -106,6 +108,12 @@ json RadiometryToJson(const Session& session) {
       {"reference_gain_db", or_null(radiometry.reference_gain_db)},
       {"white_balance", radiometry.white_balance},
       {"bayer", session.bayer ? json(*session.bayer) : json()}};
+  // The noise only weighs pixels: what they mean is the same without it.
+  object["curve"] =
+      radiometry.encoding == calib::Encoding::kCurve ? json(radiometry.curve) : json();
+  object["vignetting"] =
+      radiometry.vignetting ? json(PrintVignetting(*radiometry.vignetting)) : json();
+  return object;
 }
 
 Result<json> TargetToJson(const Session& session) {

@@ -1,6 +1,7 @@
 #include "rig/session/session_fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace turnlight::rig {
@@ -10,6 +11,38 @@ using nlohmann::ordered_json;
 
 constexpr Range kPositive{.above = 0.0};
 
+constexpr std::size_t kMostCurvePoints = 4096;
+
+// [[share of white as stored, linear share], ...], both strictly rising from [0, 0] to [1, 1].
+bool ReadCurve(const nlohmann::json& value, std::vector<std::array<double, 2>>& curve) {
+  if (!value.is_array() || value.size() < 2 || value.size() > kMostCurvePoints) return false;
+  for (const nlohmann::json& point : value) {
+    if (!point.is_array() || point.size() != 2 || !point[0].is_number() || !point[1].is_number())
+      return false;
+    const std::array<double, 2> next{point[0].get<double>(), point[1].get<double>()};
+    if (!std::isfinite(next[0]) || !std::isfinite(next[1])) return false;
+    if (!curve.empty() && !(next[0] > curve.back()[0] && next[1] > curve.back()[1])) return false;
+    curve.push_back(next);
+  }
+  return curve.front() == std::array{0.0, 0.0} && curve.back() == std::array{1.0, 1.0};
+}
+
+Status ReadEncodingObject(StrictObject encoding, calib::Radiometry& radiometry) {
+  encoding.AllowPrefix("x-");
+  if (encoding.Has("curve") && !encoding.Has("gamma")) {
+    radiometry.encoding = calib::Encoding::kCurve;
+    if (!ReadCurve(encoding.Raw("curve"), radiometry.curve))
+      encoding.RefuseText("curve",
+                          "allowed are 2 to " + std::to_string(kMostCurvePoints) +
+                              " points [stored share, linear share], both strictly rising from "
+                              "[0, 0] to [1, 1]");
+  } else {
+    radiometry.encoding = calib::Encoding::kGamma;
+    radiometry.gamma = encoding.Number("gamma", {.min = 0.1, .max = 10.0});
+  }
+  return encoding.Finish();
+}
+
 Status ReadEncoding(StrictObject& object, calib::Radiometry& radiometry) {
   const nlohmann::json& value = object.Raw("encoding");
   if (value == "linear") {
@@ -17,15 +50,47 @@ Status ReadEncoding(StrictObject& object, calib::Radiometry& radiometry) {
   } else if (value == "srgb") {
     radiometry.encoding = calib::Encoding::kSrgb;
   } else if (value.is_object()) {
-    StrictObject gamma = object.Object("encoding");
-    gamma.AllowPrefix("x-");
-    radiometry.encoding = calib::Encoding::kGamma;
-    radiometry.gamma = gamma.Number("gamma", {.min = 0.1, .max = 10.0});
-    return gamma.Finish();
+    return ReadEncodingObject(object.Object("encoding"), radiometry);
   } else {
-    object.Refuse("encoding", "\"linear\", \"srgb\" or {\"gamma\": a number}");
+    object.Refuse("encoding",
+                  "\"linear\", \"srgb\", {\"gamma\": a number} or {\"curve\": [points]}");
   }
   return {};
+}
+
+constexpr int kShareSamples = 1000;
+
+Status ReadVignetting(StrictObject object, std::optional<calib::Vignetting>& out) {
+  object.AllowPrefix("x-");
+  calib::Vignetting vignetting;
+  const auto center = object.Numbers("center", 2);
+  vignetting.center_x = center[0];
+  vignetting.center_y = center[1];
+  vignetting.radius = object.Number("radius", kPositive);
+  const nlohmann::json& list = object.Raw("coefficients");
+  const std::size_t count = list.is_array() ? std::clamp<std::size_t>(list.size(), 1, 4) : 1;
+  vignetting.coefficients = object.Numbers("coefficients", count);
+  for (int i = 0; object.ok() && i <= kShareSamples; ++i) {
+    const double share = vignetting.Share(static_cast<double>(i) / kShareSamples);
+    if (share < calib::kLeastShare || share > calib::kMostShare)
+      object.Refuse("coefficients",
+                    "1 to 4 numbers with a share of light of 0.05 to 2 everywhere "
+                    "within the radius");
+  }
+  out = std::move(vignetting);
+  return object.Finish();
+}
+
+Status ReadNoiseModel(StrictObject object, std::optional<calib::NoiseModel>& out) {
+  object.AllowPrefix("x-");
+  calib::NoiseModel noise;
+  noise.read_noise_dn = object.Number("read_noise_dn", {.min = 0.0});
+  noise.dn_per_electron = object.Number("dn_per_electron", {.min = 0.0});
+  noise.gain_db = object.OptionalNumber("gain_db");
+  if (object.ok() && noise.read_noise_dn == 0.0 && noise.dn_per_electron == 0.0)
+    object.Refuse("read_noise_dn", "a number above 0, or dn_per_electron is above 0");
+  out = noise;
+  return object.Finish();
 }
 
 ordered_json PrintEncoding(const calib::Radiometry& radiometry) {
@@ -36,6 +101,8 @@ ordered_json PrintEncoding(const calib::Radiometry& radiometry) {
       return "srgb";
     case calib::Encoding::kGamma:
       return {{"gamma", radiometry.gamma}};
+    case calib::Encoding::kCurve:
+      return {{"curve", radiometry.curve}};
   }
   return nullptr;
 }
@@ -55,7 +122,29 @@ Status ReadRadiometry(StrictObject& object, calib::Radiometry& radiometry) {
   radiometry.reference_gain_db = object.OptionalNumber("reference_gain_db");
   if (const auto balance = object.OptionalNumbers("white_balance", 3, kPositive))
     radiometry.white_balance = {(*balance)[0], (*balance)[1], (*balance)[2]};
+  if (const auto vignetting = object.OptionalObject("vignetting"))
+    if (const Status status = ReadVignetting(*vignetting, radiometry.vignetting);
+        encoding && !status)
+      return status;
   return encoding;
+}
+
+Status ReadNoise(StrictObject& object, calib::Radiometry& radiometry) {
+  const auto noise = object.OptionalObject("noise");
+  return noise ? ReadNoiseModel(*noise, radiometry.noise) : Status();
+}
+
+ordered_json PrintVignetting(const calib::Vignetting& vignetting) {
+  return {{"center", {vignetting.center_x, vignetting.center_y}},
+          {"radius", vignetting.radius},
+          {"coefficients", vignetting.coefficients}};
+}
+
+ordered_json PrintNoise(const calib::NoiseModel& noise) {
+  ordered_json object{{"read_noise_dn", noise.read_noise_dn},
+                      {"dn_per_electron", noise.dn_per_electron}};
+  if (noise.gain_db) object["gain_db"] = *noise.gain_db;
+  return object;
 }
 
 ordered_json PrintRadiometryCore(const calib::Radiometry& radiometry) {

@@ -15,9 +15,13 @@ namespace turnlight::rig {
 
 // The readers leave their refusals in the object; Finish is the caller's.
 
-// encoding, black, white, saturation, reference_exposure_us, reference_gain_db, white_balance. The
-// status is that of an object under encoding, {"gamma": number}.
+// encoding, black, white, saturation, reference_exposure_us, reference_gain_db, white_balance,
+// vignetting. The status is that of an object below them.
 Status ReadRadiometry(StrictObject& object, calib::Radiometry& radiometry);
+// noise, which is optional.
+Status ReadNoise(StrictObject& object, calib::Radiometry& radiometry);
+nlohmann::ordered_json PrintVignetting(const calib::Vignetting& vignetting);
+nlohmann::ordered_json PrintNoise(const calib::NoiseModel& noise);
 // The three of them that are always there: encoding, black, white; and saturation if it is given.
 nlohmann::ordered_json PrintRadiometryCore(const calib::Radiometry& radiometry);
 

@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "rig/session/mosaic.h"
 #include "rig/session/session_fields.h"
 
 namespace turnlight::rig {
 namespace {
 
 using nlohmann::ordered_json;
-
-const std::vector<std::string> kBayerPatterns{"RGGB", "BGGR", "GRBG", "GBRG"};
 
 void Collect(const Status& status, std::vector<std::string>& problems) {
   if (!status) problems.push_back(status.error().text);
@@ -36,7 +35,8 @@ std::string NotANumberHint(const std::string& text) {
 void ParseRadiometry(StrictObject object, Session& session, std::vector<std::string>& problems) {
   object.AllowPrefix("x-");
   Collect(ReadRadiometry(object, session.radiometry), problems);
-  session.bayer = object.OptionalChoice("bayer", kBayerPatterns);
+  Collect(ReadNoise(object, session.radiometry), problems);
+  session.bayer = object.OptionalChoice("bayer", BayerPatterns());
   Collect(object.Finish(), problems);
 }
 
@@ -87,6 +87,8 @@ ordered_json PrintRadiometry(const Session& session) {
   if (radiometry.white_balance != std::array<double, 3>{1.0, 1.0, 1.0})
     object["white_balance"] = radiometry.white_balance;
   if (session.bayer) object["bayer"] = *session.bayer;
+  if (radiometry.vignetting) object["vignetting"] = PrintVignetting(*radiometry.vignetting);
+  if (radiometry.noise) object["noise"] = PrintNoise(*radiometry.noise);
   return object;
 }
 

@@ -1,7 +1,8 @@
 // Proves: digital numbers become radiance as the design's section 2 says (black, white, encoding,
 // exposure, gain, white balance), negative values stay, clipped pixels are flagged on DN, and
-// Encode is the inverse for every depth and encoding. Does not prove: that a sensor follows its
-// declared encoding (that is a response calibration).
+// Encode is the inverse for every depth and encoding; vignetting is taken out and put in; a value's
+// variance is what many draws of its noise show. Does not prove: that a sensor follows its declared
+// encoding (that is a response calibration).
 #include "calib/radiometry.h"
 
 #include <gtest/gtest.h>
@@ -17,6 +18,7 @@ Radiometry Make(Encoding encoding, double black, double white) {
   radiometry.encoding = encoding;
   radiometry.black = black;
   radiometry.white = white;
+  radiometry.curve = {{0.0, 0.0}, {0.2, 0.1}, {0.5, 0.45}, {1.0, 1.0}};  // used by kCurve
   return radiometry;
 }
 
@@ -113,7 +115,8 @@ TEST(Radiometry, EncodeInvertsIntegers) {
       else
         all.at<cv::Vec3w>(0, i) = cv::Vec3w::all(static_cast<std::uint16_t>(i));
     }
-    for (const Encoding encoding : {Encoding::kLinear, Encoding::kSrgb, Encoding::kGamma}) {
+    for (const Encoding encoding :
+         {Encoding::kLinear, Encoding::kSrgb, Encoding::kGamma, Encoding::kCurve}) {
       Radiometry radiometry = Make(encoding, count / 16, count * 0.9);
       radiometry.reference_exposure_us = 5000.0;
       radiometry.white_balance = {0.7, 1.0, 1.9};
@@ -129,7 +132,8 @@ TEST(Radiometry, EncodeInvertsIntegers) {
 TEST(Radiometry, EncodeInvertsFloats) {
   cv::Mat image(1, 1000, CV_32F);
   for (int i = 0; i < 1000; ++i) image.at<float>(0, i) = -0.5f + 0.0025f * static_cast<float>(i);
-  for (const Encoding encoding : {Encoding::kLinear, Encoding::kSrgb, Encoding::kGamma}) {
+  for (const Encoding encoding :
+       {Encoding::kLinear, Encoding::kSrgb, Encoding::kGamma, Encoding::kCurve}) {
     const Radiometry radiometry = Make(encoding, 0.1, 0.8);
     const cv::Mat radiance = Linearise(image, radiometry, {}).radiance;
     const cv::Mat back = Encode(radiance, radiometry, {}, CV_32F);
@@ -145,6 +149,61 @@ TEST(Radiometry, EncodeRoundsAndClips) {
   const cv::Mat expected = (cv::Mat_<std::uint8_t>(1, 7) << 0, 0, 1, 255, 255, 0, 255);
   EXPECT_EQ(cv::norm(dn, expected, cv::NORM_INF), 0.0) << dn;
   EXPECT_FLOAT_EQ(Encode(radiance, radiometry, {}, CV_32F).at<float>(0, 0), -50.0f);
+}
+
+TEST(Radiometry, VignettingIsTakenOutAndPutIn) {
+  Radiometry radiometry = Make(Encoding::kGamma, 0, 1);
+  radiometry.vignetting = Vignetting{1.0, 0.0, 2.0, {-0.2, -0.04}};
+  const cv::Mat image(1, 5, CV_32F, cv::Scalar(0.5));
+  const LinearImage linear = Linearise(image, radiometry, {});
+  const double whole = std::pow(0.5, 2.2);
+  EXPECT_NEAR(linear.radiance.at<float>(0, 1), whole, 1e-7);
+  EXPECT_NEAR(linear.radiance.at<float>(0, 2), whole / (1.0 - 0.2 / 4 - 0.04 / 16), 1e-7);
+  EXPECT_NEAR(linear.radiance.at<float>(0, 3), whole / 0.76, 1e-7);
+  EXPECT_EQ(linear.saturated(0, 3), 0);
+  EXPECT_EQ(linear.saturated(0, 4), 255) << "beyond what was measured";
+  const cv::Mat back = Encode(linear.radiance, radiometry, {}, CV_32F);
+  EXPECT_LT(cv::norm(back.colRange(0, 4), image.colRange(0, 4), cv::NORM_INF), 1e-6);
+}
+
+TEST(Radiometry, NoVarianceWithoutANoiseModel) {
+  EXPECT_TRUE(Linearise(cv::Mat(2, 2, CV_8U, cv::Scalar(3)), Radiometry{}, {}).variance.empty());
+}
+
+// Through encoding, exposure and vignetting, with rounding: as many draws show it.
+TEST(Radiometry, TheVarianceIsThatOfManyDraws) {
+  for (const Encoding encoding : {Encoding::kLinear, Encoding::kGamma}) {
+    Radiometry radiometry = Make(encoding, 10, 250);
+    radiometry.reference_exposure_us = 1000.0;
+    radiometry.noise = NoiseModel{0.8, 0.1, 0.0};
+    radiometry.vignetting = Vignetting{0.0, 0.0, 1e6, {-0.3}};
+    const Exposure exposure{500.0, 6.0};
+    const double gain = std::pow(10.0, 0.3), linear = 90.0;  // of 240 DN
+    const double sigma = std::sqrt(gain * gain * 0.64 + gain * 0.1 * linear);
+    cv::Mat1f noisy(200, 200);
+    cv::RNG random(5);
+    random.fill(noisy, cv::RNG::NORMAL, linear / 240.0, sigma / 240.0);
+    Radiometry plain = radiometry;
+    plain.reference_exposure_us.reset();
+    plain.vignetting.reset();
+    const cv::Mat dn = Encode(noisy, plain, {}, CV_8U);
+    const LinearImage out = Linearise(dn, radiometry, exposure);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(out.radiance, mean, deviation);
+    const double stated = cv::mean(out.variance)[0];
+    EXPECT_NEAR(deviation[0] * deviation[0] / stated, 1.0, 0.03) << static_cast<int>(encoding);
+  }
+}
+
+// What noise made bright would count for less than what it made dark.
+TEST(Radiometry, AValueHasNoSayInItsOwnVariance) {
+  Radiometry radiometry = Make(Encoding::kLinear, 0, 1000);
+  radiometry.noise = NoiseModel{1.0, 1.0, std::nullopt};
+  cv::Mat image(5, 5, CV_16U, cv::Scalar(100));
+  const float before = Linearise(image, radiometry, {}).variance(2, 2);
+  image.at<std::uint16_t>(2, 2) = 900;
+  EXPECT_EQ(Linearise(image, radiometry, {}).variance(2, 2), before);
+  EXPECT_GT(Linearise(image, radiometry, {}).variance(1, 2), before);
 }
 
 TEST(Radiometry, EmptyPicture) {

@@ -101,6 +101,15 @@ inline void AddNoise(double sigma, std::uint64_t seed, observe::Observations& al
           static_cast<float>(sigma * noise.Normal(3 * i + static_cast<std::uint64_t>(c)));
 }
 
+// Weights as noise that is unlike from pixel to pixel gives them, 0.3 to 3.
+inline void GiveWeights(std::uint64_t seed, observe::Observations& all) {
+  const RandomStream random(seed, 6);
+  all.variance.assign(all.size(), 1.0f);
+  all.weight.assign(all.size(), 1.0f);
+  for (std::size_t i = 0; i < all.used; ++i)
+    all.weight[i] = static_cast<float>(random.Uniform(i, 0.3, 3.0));
+}
+
 // 40 tiles of a scene's colour pixels with noise of 0.002, as of a good camera.
 inline RandomObservations NoisyObservations(const model::Scene& truth) {
   RandomObservations random(40 * observe::kTile, 3, 3, &truth);

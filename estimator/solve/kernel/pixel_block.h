@@ -14,7 +14,8 @@ struct Block {
   Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv, dx_du, dx_dv;
   V viewer_cosine;
   V radiance[3];
-  V valid;  // 1, or 0 for filling and what is left out
+  V valid;   // 1, or 0 for filling and what is left out
+  V weight;  // of the residuals; as valid where the pixels are not weighted
   const std::uint8_t* const* lit;
   std::size_t at;
 };
@@ -39,6 +40,8 @@ TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPix
   for (int i = 0; i < kLanes; ++i)
     block.valid[i] = pixels.pixel[at + static_cast<std::size_t>(i)] == kNoPixel ? Real(0) : Real(1);
   if (pixels.usable) block.valid *= LoadBytes<Real>(pixels.usable + at);
+  block.weight = block.valid;
+  if (pixels.weight) block.weight *= LoadFloats(pixels.weight + at, Real{});
   block.lit = pixels.lit;
   block.at = at;
   if (samples > 1) {

@@ -39,6 +39,7 @@ struct KernelModel {
   double oren_nayar_a, oren_nayar_b;    // A and B of Oren and Nayar
   double oren_nayar_da, oren_nayar_db;  // their derivatives by its square
   double huber;                         // 0: squares
+  bool weighted;                        // the pixels have weights
   bool gradient_only;                   // leave out the sums of products of rows
   // Gauss-Legendre nodes on [-1/2, 1/2] and weights (sum 1) for each number of samples per side.
   double node[kMaxSamples + 1][kMaxSamples];
@@ -58,6 +59,7 @@ struct KernelPixels {
   const std::uint16_t* step[6];       // change of the position
   const float* radiance[3];
   const std::uint32_t* pixel;
+  const float* weight;             // of each pixel's residuals; or null for 1
   const std::uint8_t* samples;     // per tile, or null for 1
   const std::uint8_t* const* lit;  // per light, 1 or 0 for each pixel; or null for 1
   const std::uint8_t* usable;      // 1 or 0 for each pixel; or null for 1

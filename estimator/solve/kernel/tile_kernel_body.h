@@ -93,20 +93,20 @@ struct WeighedResidual {
   typename Lanes<Real>::V weight, cost;
 };
 
-// Huber's loss on the pixel's root-mean-square residual, as a weight on its rows. square: the sum
-// of its channels' squared residuals.
+// Huber's loss on the pixel's root-mean-square residual, and the weight of its rows. square: the
+// sum of its channels' squared residuals, each times the pixel's own weight.
 template <typename Real>
 TURNLIGHT_INLINE WeighedResidual<Real> WeighResidual(const KernelModel& model,
                                                      const Block<Real>& block,
                                                      typename Lanes<Real>::V square) {
   using L = Lanes<Real>;
   using V = typename L::V;
-  V weight = block.valid, cost = Real(0.5) * square;
+  V weight = block.weight, cost = Real(0.5) * square;
   if (model.huber > 0.0) {
     const V scale = L::Splat(model.huber), channels = L::Splat(model.channels);
     const V size = L::Sqrt(L::Max(square / channels, L::Splat(1e-30)));
     const auto far = size > scale;
-    weight = far ? L::Sqrt(scale / size) * block.valid : weight;
+    weight = far ? L::Sqrt(scale / size) * block.weight : weight;
     cost = far ? channels * (scale * size - Real(0.5) * scale * scale) * block.valid : cost;
   }
   return {weight, cost};
@@ -127,7 +127,8 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
     residual[c] = (L::Splat(model.albedo[c]) * albedo_row +
                    L::Splat(model.specular) * shading.specular - block.radiance[c]) *
                   block.valid;
-    square += residual[c] * residual[c];
+    const V weighted = model.weighted ? residual[c] * block.weight : residual[c];
+    square += weighted * weighted;
   }
   const auto [weight, cost] = WeighResidual(model, block, square);
   for (int c = 0; c < model.channels; ++c) {
@@ -148,7 +149,7 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
     L::Store(rows.A(i) + offset, a[i] * weight);
     L::Store(rows.B(i) + offset, b[i] * weight);
   }
-  if (model.huber > 0.0) {
+  if (model.huber > 0.0 || model.weighted) {
     for (int i = kSharedFixed; i < rows.shared; ++i) {
       L::Store(rows.A(i) + offset, L::Load(rows.A(i) + offset) * weight);
       L::Store(rows.B(i) + offset, L::Load(rows.B(i) + offset) * weight);

@@ -3,7 +3,7 @@
 // footprint is sampled, and by the closed-form Shade(); the float kernel agrees with the double
 // one; every instruction set and number of threads gives the same bits. Does not prove: that the
 // model is right (the render checks do), nor anything at pixels within 1e-3 of a terminator, where
-// the model itself has a kink.
+// the model itself has a kink. All of it for weighted pixels too.
 #include "estimator/solve/normal_equations.h"
 
 #include <ceres/jet.h>
@@ -135,12 +135,13 @@ Reference ByJets(RandomObservations& all, const model::Scene& scene) {
       continue;
     }
     const auto model = JetModel(scene, all.points[i]);
+    const double weight = std::pow(all.observations.WeightOf(i), 2);
     for (int c = 0; c < 3; ++c) {
       const Jet& value = model[static_cast<std::size_t>(c)];
       const double residual = value.a - static_cast<double>(all.observations.radiance[c][i]);
-      out.cost += 0.5 * residual * residual;
-      out.gradient += residual * value.v;
-      out.hessian += value.v * value.v.transpose();
+      out.cost += 0.5 * weight * residual * residual;
+      out.gradient += weight * residual * value.v;
+      out.hessian += weight * value.v * value.v.transpose();
     }
   }
   return out;
@@ -180,6 +181,7 @@ TEST_P(DerivativesTest, AgreeWithAutodiffAtRandomStates) {
     SCOPED_TRACE(seed);
     const model::Scene scene = RandomScene(seed, GetParam().specular, GetParam().diffuse);
     RandomObservations all(300, 3, seed);
+    if (seed % 2 == 0) GiveWeights(seed, all.observations);
     const Reference reference = ByJets(all, scene);
     const double rounding = Rounding(scene);
     ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-6 + rounding);
@@ -248,6 +250,7 @@ TEST(FootprintTest, GradientIsTheSlopeOfTheCost) {
       const model::Scene scene = RandomScene(3, specular, model::DiffuseModel::kOrenNayar);
       RandomObservations all(300, 3, 11);
       KeepSmooth(all, scene);
+      if (huber > 0.0) GiveWeights(6, all.observations);
       const RandomStream random(4, 4);
       for (auto& component : all.observations.footprint)
         for (std::size_t i = 0; i < component.size(); ++i)
@@ -301,6 +304,23 @@ TEST(RepeatabilityTest, SameBitsForAnyNumberOfThreads) {
   SetThreads(0);
 }
 
+TEST(RepeatabilityTest, WeightsOfOneChangeNoBit) {
+  const model::Scene scene =
+      RandomScene(2, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
+  RandomObservations all(10000, 3, 1);
+  for (const double huber : {0.0, 0.05}) {
+    EvaluateOptions options;
+    options.huber = huber;
+    all.observations.weight.clear();
+    const NormalEquations without = Evaluate(all.observations, scene, options);
+    all.observations.weight.assign(all.observations.size(), 1.0f);
+    const NormalEquations with = Evaluate(all.observations, scene, options);
+    EXPECT_EQ(without.cost, with.cost);
+    EXPECT_TRUE(without.gradient == with.gradient);
+    EXPECT_TRUE(without.hessian == with.hessian);
+  }
+}
+
 TEST(RepeatabilityTest, SameBitsWithoutTheMatrix) {
   const model::Scene scene =
       RandomScene(2, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
@@ -316,7 +336,8 @@ TEST(RepeatabilityTest, SameBitsWithoutTheMatrix) {
 TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
   const kernel::KernelFunctions* all[3];
   const int count = kernel::RunnableKernels(all, 3);
-  const RandomObservations random(observe::kTile * 4, 3, 9);
+  RandomObservations random(observe::kTile * 4, 3, 9);
+  GiveWeights(2, random.observations);
   const observe::Observations& o = random.observations;
   const kernel::KernelLight light{{0, 0, 1}, {{1, 0, 0}, {0, 1, 0}}, 0.3, 0.8};
   kernel::KernelModel model{};
@@ -339,6 +360,8 @@ TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
     pixels.step[k] = o.step[k].data();
   }
   pixels.pixel = o.pixel.data();
+  model.weighted = true;
+  pixels.weight = o.weight.data();
   pixels.tiles = o.tiles();
   const int n = model.Shared();
   std::vector<std::vector<double>> results;

@@ -19,9 +19,10 @@ struct ScoreCase {
   observe::Observations pixels;
   solve::Prediction change;  // by one unit of q
 
-  ScoreCase() {
+  explicit ScoreCase(bool weighted = false) {
     pixels = RandomObservations(3000, 3, 1, &scene).observations;
     AddNoise(0.02, 1, pixels);
+    if (weighted) GiveWeights(1, pixels);
     model::Scene alone = WithThird(1.0);
     alone.lights = {alone.lights[2]};
     alone.reflectance.ambient = 0.0;
@@ -38,8 +39,7 @@ struct ScoreCase {
   }
 };
 
-TEST(ScoreProbe, SlopeAndCurvatureAreThoseOfTheCost) {
-  const ScoreCase it;
+void ExpectThoseOfTheCost(const ScoreCase& it) {
   const Score score = ScoreProbe(it.pixels, it.scene, {}).Of(it.change, 1.0);
   constexpr double kStep = 0.05;
   const double up = it.CostWith(kStep, {}), at = it.CostWith(0.0, {}),
@@ -49,8 +49,7 @@ TEST(ScoreProbe, SlopeAndCurvatureAreThoseOfTheCost) {
   EXPECT_NEAR(score.curvature, (up - 2.0 * at + down) / (kStep * kStep), 1e-4 * score.curvature);
 }
 
-TEST(ScoreProbe, CrossHessianIsThatOfAColumn) {
-  const ScoreCase it;
+void ExpectThatOfAColumn(const ScoreCase& it) {
   const Score score = ScoreProbe(it.pixels, it.scene, {}).Of(it.change, 1.0);
   const solve::NormalEquations with = solve::EvaluateDouble(it.pixels, it.WithThird(0.0), {});
   const solve::Columns columns{3, 3};
@@ -63,6 +62,16 @@ TEST(ScoreProbe, CrossHessianIsThatOfAColumn) {
   EXPECT_NEAR(score.curvature, with.hessian(column, column), 1e-5 * score.curvature);
   EXPECT_NEAR(score.slope, with.gradient[column],
               1e-5 * std::sqrt(score.curvature * 2.0 * with.cost));
+}
+
+TEST(ScoreProbe, SlopeAndCurvatureAreThoseOfTheCost) {
+  ExpectThoseOfTheCost(ScoreCase());
+  ExpectThoseOfTheCost(ScoreCase(true));
+}
+
+TEST(ScoreProbe, CrossHessianIsThatOfAColumn) {
+  ExpectThatOfAColumn(ScoreCase());
+  ExpectThatOfAColumn(ScoreCase(true));
 }
 
 TEST(ScoreProbe, AUnitIsTimesTheChange) {
