@@ -189,9 +189,6 @@ std::string PrintPlacement(const placement::Placement& placed,
 Status WriteAll(const rig::RigCalibration& calibration, const calib::TargetShape& shape,
                 const Observed& observed, const placement::Placement& placed,
                 const std::vector<std::string>& remarks, const fs::path& out) {
-  rig::RigCalibration written = calibration;
-  written.geometry.X_AT = placed.X_AT;
-  written.covariances.X_AT = placed.covariance;
   calib::TargetShape fitted = shape;
   if (auto* sphere = std::get_if<calib::SphereShape>(&fitted)) sphere->radius = placed.radius;
   Status status = WriteFileAtomic(
@@ -203,7 +200,8 @@ Status WriteAll(const rig::RigCalibration& calibration, const calib::TargetShape
                                                     observed.views, placed));
   if (status)
     status = rig::WriteImage(out / "residuals.png", placement::ResidualPage(observed.views, placed));
-  if (status) status = rig::WriteRigCalibration(written, out / "rig-calibration.json");
+  if (status) status = rig::WriteRigCalibration(placement::WithTarget(calibration, placed),
+                                      out / "rig-calibration.json");
   return status;
 }
 

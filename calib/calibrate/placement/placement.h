@@ -76,6 +76,10 @@ struct Placement {
   Matrix6 covariance = Matrix6::Zero();       // the sum of the next two
   Matrix6 from_outlines = Matrix6::Zero();    // noise, the edge offset, shifts of whole pictures
   Matrix6 from_calibration = Matrix6::Zero(); // camera, axis and angles, as far as they are known
+  // The calibration's parts that have a covariance, and 6 x N between X_AT and them: a camera that
+  // was taken to be too high makes a target too high.
+  rig::JointCovariance calibration;
+  Eigen::MatrixXd with_calibration;
   double radius = 0.0, radius_sigma = 0.0;    // of a sphere; sigma 0 if it was given
   double edge_offset = 0.0, edge_offset_sigma = 0.0;  // pixels
   double rms = 0.0;                // pixels, of the residuals used
@@ -98,6 +102,9 @@ Result<Placement> PlaceTarget(const rig::RigCalibration& calibration,
                               const calib::TargetShape& shape, const std::vector<View>& views,
                               const std::vector<PickedPoint>& picked,
                               const PlacementOptions& options = {});
+
+// The calibration with X_AT, its covariance, and what that has in common with the other parts'.
+rig::RigCalibration WithTarget(const rig::RigCalibration& calibration, const Placement& placement);
 
 // The outline that a target placed so has in a picture, as polylines of image points.
 std::vector<std::vector<Eigen::Vector2d>> ExpectedOutline(const rig::RigCalibration& calibration,

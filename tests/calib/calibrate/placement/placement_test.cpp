@@ -211,6 +211,11 @@ TEST(PlaceTarget, TheCalibrationsSigmaGoesOn) {
   // What is not along the axis moves round with the table: the mean of it over a revolution is 0.
   EXPECT_NEAR(std::sqrt(placed->from_calibration(5, 5)), 0.05, 0.005);
   EXPECT_LT(std::sqrt(placed->from_calibration(3, 3)), 0.02);
+  const rig::RigCalibration with = WithTarget(rig, *placed);
+  ASSERT_TRUE(with.covariances.joint);
+  EXPECT_EQ(with.covariances.joint->of, (std::vector<std::string>{"X_WA", "X_AT"}));
+  // An axis that is taken to be too high has the target too low on it.
+  EXPECT_NEAR(with.covariances.joint->matrix(11, 5), -0.05 * 0.05, 0.0003);
 }
 
 TEST(PlaceTarget, RefusesWhatCannotTell) {
