@@ -19,11 +19,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Levels, as shares of the peak, at which a spot is cut off: what is above counts by how much it is
-// above, so that nothing jumps where a pixel comes in. Low ones use all of a spot, high ones keep
-// away from its tails and neighbours. The first is where the spot is; the others tell how lopsided
-// it is.
-constexpr std::array<double, 3> kOpenLevels{0.15, 0.3, 0.5};
-constexpr std::array<double, 3> kClippedLevels{0.3, 0.15, 0.5};
+// above, so that nothing jumps where a pixel comes in. The first uses nearly all of a spot, of a
+// clipped one the soft rim, and says where it is; from one to the next, what is lopsided moves.
+constexpr std::array<double, 3> kLevels{0.15, 0.3, 0.5};
 // Blur of lens and pixel, sigma in pixels, of which nothing is known: between none and twice this.
 constexpr double kBlur = 0.6;
 // Pixels. What sampling leaves of a small spot's place; half of a pixel is lost at a clipped edge.
@@ -174,11 +172,10 @@ std::optional<Vector2d> MeasurePlace(const SpotMaps& maps, const Peak& peak, con
                                      Spot& spot) {
   Vector2d place = Vector2d::Zero();
   Matrix2d shape = Matrix2d::Zero();
-  const auto& levels = spot.clipped ? kClippedLevels : kOpenLevels;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
+  for (std::size_t i = 0; i < kLevels.size(); ++i) {
     bool cut = false;
-    const cv::Mat1b flooded = WithRim(maps, peak, levels[i], &cut);
-    const double level = std::max(levels[i] * spot.peak, double{peak.saddle});
+    const cv::Mat1b flooded = WithRim(maps, peak, kLevels[i], &cut);
+    const double level = std::max(kLevels[i] * spot.peak, double{peak.saddle});
     const auto pixels = Above(maps, flooded, level);
     const Moments moments = MomentsOf(pixels);
     if (!(moments.sum > 0.0)) return std::nullopt;

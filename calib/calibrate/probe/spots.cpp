@@ -179,11 +179,10 @@ std::string WhyNoLight(const Spot& spot, double bright_ground, bool cut) {
 
 }  // namespace
 
-SpotsFound FindSpots(const LinearImage& picture, const cv::Mat1b& mask, const BallView& view,
-                     const CameraModel& camera) {
+SpotsFound FindSpots(const LinearImage& picture, const cv::Mat1b& mask, const BallView& view) {
   SpotsFound found;
   const Region region = FindRegion(mask, view);
-  const double radius_px = RadiusInPixels(view, camera);
+  const double radius_px = RadiusInPixels(view);
   if (region.box.width < 5 || region.box.height < 5 || !(radius_px > 5.0)) return found;
   found.ball_seen = true;
   const cv::Mat1f grey = GreyOf(picture, region.box, region.usable);

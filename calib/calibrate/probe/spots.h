@@ -49,7 +49,6 @@ struct SpotsFound {
 
 // picture: linear radiance and what is clipped. mask: 0 where the ball is hidden or the pixel is
 // not of it; empty: nothing is. Holes of the mask are filled: thresholds leave some at highlights.
-SpotsFound FindSpots(const LinearImage& picture, const cv::Mat1b& mask, const BallView& view,
-                     const CameraModel& camera);
+SpotsFound FindSpots(const LinearImage& picture, const cv::Mat1b& mask, const BallView& view);
 
 }  // namespace turnlight::calib::calibrate::probe
