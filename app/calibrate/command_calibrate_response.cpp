@@ -97,9 +97,8 @@ void AddCalibrateResponse(CLI::App& calibrate, Action& action) {
       ->add_option("--update", arguments->update,
                    "A rig's calibration to put the radiometry and the noise into, in place")
       ->type_name("FILE");
-  command->callback([arguments, &action] {
-    action = [arguments] { return RunCalibrateResponse(*arguments); };
-  });
+  command->callback(
+      [arguments, &action] { action = [arguments] { return RunCalibrateResponse(*arguments); }; });
 }
 
 }  // namespace turnlight::app

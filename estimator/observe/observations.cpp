@@ -42,6 +42,12 @@ void SetWeights(Observations& all) {
       all.weight[i] = std::sqrt(reference / variance(i));
 }
 
+bool AllWeighted(const std::vector<Observations>& parts) {
+  return !parts.empty() && std::all_of(parts.begin(), parts.end(), [](const Observations& part) {
+    return part.size() == 0 || !part.variance.empty();
+  });
+}
+
 void AllowForNoise(Observations& all) {
   all.variance.assign(all.size(), 0.0f);
   all.weight.assign(all.size(), 1.0f);
@@ -157,10 +163,7 @@ Observations Concatenate(const std::vector<Observations>& parts) {
   }
   if (out.used > 0) out.reference = sum / static_cast<double>(out.used);
   out.Resize(tiles * kTile);
-  const bool weighted =
-      !parts.empty() && std::all_of(parts.begin(), parts.end(), [](const Observations& part) {
-        return part.size() == 0 || !part.variance.empty();
-      });
+  const bool weighted = AllWeighted(parts);
   if (weighted) AllowForNoise(out);
   std::size_t at = 0;
   std::uint32_t first_keyframe = 0;

@@ -18,8 +18,10 @@ const cv::Size kSeriesGrid(8, 6), kFlatGrid(24, 18);
 
 std::string KindOf(const cv::Mat& image) {
   return Format("%d x %d pixels, %d bits, %d channel%s", image.cols, image.rows,
-                image.depth() == CV_8U ? 8 : image.depth() == CV_16U ? 16 : 32, image.channels(),
-                image.channels() == 1 ? "" : "s");
+                image.depth() == CV_8U    ? 8
+                : image.depth() == CV_16U ? 16
+                                          : 32,
+                image.channels(), image.channels() == 1 ? "" : "s");
 }
 
 // Reads groups of pictures that are all alike.
@@ -61,8 +63,8 @@ class Reader {
         return InputError(file + ": " + KindOf(image) +
                           ", allowed are raw pictures of 8 or 16 bits, at least 16 x 16 pixels");
       if (list_.bayer && image.channels() != 1)
-        return InputError(list_.source + ": bayer: \"" + *list_.bayer + "\", but " + file + " has " +
-                          std::to_string(image.channels()) +
+        return InputError(list_.source + ": bayer: \"" + *list_.bayer + "\", but " + file +
+                          " has " + std::to_string(image.channels()) +
                           " channels; allowed is bayer of pictures of one channel");
       first_ = image;
     }
@@ -133,8 +135,7 @@ Status FindBalance(const ResponseList& list, Reader& reader, double saturation, 
                       " pixels, allowed is one within it");
   const auto pictures = reader.Read(list.grey_card->images);
   if (!pictures) return Forward(pictures);
-  const auto balance =
-      FindWhiteBalance(*pictures, list.bayer, card, out.radiometry, saturation);
+  const auto balance = FindWhiteBalance(*pictures, list.bayer, card, out.radiometry, saturation);
   if (!balance) return InputError(list.source + ": " + balance.error().text);
   out.balance = *balance;
   out.radiometry.white_balance = balance->balance;
@@ -207,8 +208,8 @@ Result<Response> CalibrateResponse(const ResponseList& list, const ResponseProgr
                                       out.curve.black_sigma, saturation);
     if (!transfer) return fail(transfer);
     out.transfer = std::move(*transfer);
-    out.radiometry.noise = NoiseModel{out.transfer->read_noise_dn, out.transfer->dn_per_electron,
-                                      list.gain_db};
+    out.radiometry.noise =
+        NoiseModel{out.transfer->read_noise_dn, out.transfer->dn_per_electron, list.gain_db};
   }
   if (!measured->flat.empty()) {
     auto flat = FitVignetting(measured->flat, out.radiometry, saturation, out.size, kFlatGrid);
@@ -246,11 +247,11 @@ std::string PrintResponse(const Response& response) {
 Status ApplyResponse(const Response& response, rig::RigCalibration& calibration) {
   const cv::Size& size = calibration.devices.resolution;
   if (size != response.size)
-    return InputError(calibration.source + ": identity/camera/resolution: " +
-                      std::to_string(size.width) + " x " + std::to_string(size.height) +
-                      ", the response's pictures have " + std::to_string(response.size.width) +
-                      " x " + std::to_string(response.size.height) +
-                      "; allowed are pictures of the calibrated camera's size");
+    return InputError(
+        calibration.source + ": identity/camera/resolution: " + std::to_string(size.width) + " x " +
+        std::to_string(size.height) + ", the response's pictures have " +
+        std::to_string(response.size.width) + " x " + std::to_string(response.size.height) +
+        "; allowed are pictures of the calibrated camera's size");
   const Radiometry before = calibration.radiometry;
   Radiometry& radiometry = calibration.radiometry;
   radiometry = response.radiometry;

@@ -20,8 +20,9 @@ Result<fs::path> FindList(const fs::path& path) {
   if (!fs::is_directory(path, code)) return path;
   for (const char* name : kNames)
     if (fs::exists(path / name, code)) return path / name;
-  return InputError(path.string() + ": holds no list of pictures, allowed is a folder with response.yaml "
-                                    "or response.json, or such a file");
+  return InputError(path.string() +
+                    ": holds no list of pictures, allowed is a folder with response.yaml "
+                    "or response.json, or such a file");
 }
 
 std::vector<fs::path> ReadNames(StrictObject& object, const std::string& key,
@@ -56,8 +57,8 @@ Status ReadSeries(StrictObject& object, const fs::path& folder, std::vector<List
     return a.exposure_us < b.exposure_us;
   });
   if (object.ok() && series.size() < kFewestExposures)
-    object.RefuseText("series", std::to_string(series.size()) +
-                                    " different exposures, allowed are at least 3");
+    object.RefuseText(
+        "series", std::to_string(series.size()) + " different exposures, allowed are at least 3");
   return {};
 }
 

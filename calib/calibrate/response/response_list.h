@@ -3,7 +3,8 @@
 //   bayer: RGGB            # optional: the pictures are mosaics
 //   white: 4095            # optional: DN of full scale; default by the pictures' bits
 //   gain_db: 0             # optional: of all of them
-//   series:                # one still scene in steady light, at least 3 exposures; for the noise two
+//   series:                # one still scene in steady light, at least 3 exposures; for the noise
+//   two
 //   - exposure_us: 1000    # pictures or more of most
 //     images: [e1000_a.png, e1000_b.png]
 //   dark: [d1.png, d2.png]                # optional: lens cap on

@@ -82,8 +82,8 @@ cv::Mat3b DrawMap(const cv::Mat1d& values, const cv::Size& shown,
   cv::Mat3b map(shown);
   for (int row = 0; row < shown.height; ++row)
     for (int column = 0; column < shown.width; ++column)
-      map(row, column) = colour(values(row * values.rows / shown.height,
-                                       column * values.cols / shown.width));
+      map(row, column) =
+          colour(values(row * values.rows / shown.height, column * values.cols / shown.width));
   return map;
 }
 
@@ -113,8 +113,8 @@ cv::Mat3b DrawPhotonTransfer(const PhotonTransfer& transfer,
   std::vector<cv::Point2d> line;
   for (int i = 0; i <= 200; ++i) {
     const double signal = std::pow(10.0, x.low + (x.high - x.low) * i / 200.0);
-    const double variance = transfer.read_noise_dn * transfer.read_noise_dn +
-                            transfer.dn_per_electron * signal;
+    const double variance =
+        transfer.read_noise_dn * transfer.read_noise_dn + transfer.dn_per_electron * signal;
     const double down = y.At(variance);
     if (chart.Holds(i / 200.0, down)) line.push_back(chart.At(i / 200.0, down));
   }
