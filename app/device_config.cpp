@@ -127,18 +127,21 @@ Result<std::optional<rig::RigCalibration>> ReadCalibrationOf(const DeviceConfig&
   return std::move(read->calibration);
 }
 
+calib::Radiometry NominalLevels(const rig::CameraDevice& camera) {
+  calib::Radiometry levels;
+  const int depth = camera.format.depth;
+  levels.white = camera.full_scale_dn ? camera.full_scale_dn->back()
+                 : depth == CV_8U     ? 255.0
+                 : depth == CV_16U    ? 65535.0
+                                      : 1.0;
+  return levels;
+}
+
 calib::Radiometry LevelsOf(const Devices& devices,
                            const std::optional<rig::RigCalibration>& calibration) {
   if (calibration) return calibration->radiometry;
   if (devices.world) return rig::sim::KnowledgeOf(*devices.world).radiometry;
-  calib::Radiometry levels;
-  if (const auto& full = devices.camera->full_scale_dn) {
-    levels.white = full->back();
-    return levels;
-  }
-  const int depth = devices.camera->format.depth;
-  levels.white = depth == CV_8U ? 255.0 : depth == CV_16U ? 65535.0 : 1.0;
-  return levels;
+  return NominalLevels(*devices.camera);
 }
 
 }  // namespace turnlight::app

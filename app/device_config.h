@@ -61,8 +61,11 @@ std::string TextOf(const std::optional<StrictObject>& section, const std::string
 // The calibration that rig/calibration names, if it names one. Fails (kInput).
 Result<std::optional<rig::RigCalibration>> ReadCalibrationOf(const DeviceConfig& config);
 
-// What the camera's DN mean: by the calibration, by the simulation, else the whole range of its
-// pixel format.
+// What the camera's DN mean as long as nothing is known: linear, 0 to what a full pixel reads by
+// the pixel format.
+calib::Radiometry NominalLevels(const rig::CameraDevice& camera);
+
+// What the camera's DN mean: by the calibration, by the simulation, else nominal.
 calib::Radiometry LevelsOf(const Devices& devices,
                            const std::optional<rig::RigCalibration>& calibration);
 

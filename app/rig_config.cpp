@@ -203,6 +203,8 @@ Result<rig::RigSetup> MakeRig(const RunConfig& config, const Drivers& drivers) {
   if (const Status status = CheckWorld(config, *chosen); !status) return Forward(status);
   auto rig = config.simulation ? MakeSimulatedRig(config, *chosen) : MakeRealRig(config, *chosen);
   if (!rig || !rig->calibration) return rig;
+  if (const Status status = rig::CheckTargetPlaced(*rig->calibration); !status)
+    return Forward(status);
   if (const Status status = rig::CheckPictures(*rig->calibration, rig->camera); !status)
     return Forward(status);
   return rig;

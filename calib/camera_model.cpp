@@ -292,6 +292,12 @@ Result<CameraModel> CameraModel::FromFile(const std::filesystem::path& path) {
   return FromString(*text, path.string());
 }
 
+CameraModel CameraModel::WithIntrinsics(std::vector<double> intrinsics) const {
+  CameraModel model = *this;
+  model.intrinsics_ = std::move(intrinsics);
+  return model;
+}
+
 CameraModel CameraModel::Pinhole(int width, int height, double fx, double fy, double cx,
                                  double cy) {
   CameraModel camera;

@@ -26,6 +26,9 @@ class CameraModel {
   // image size outside 1..65536 on either side or more than 2^28 pixels.
   static Result<CameraModel> FromString(const std::string& text, const std::string& file);
   static Result<CameraModel> FromFile(const std::filesystem::path& path);
+  // The same lens model and picture with other intrinsics, as many and finite: a step of a
+  // derivative. Nothing is checked.
+  CameraModel WithIntrinsics(std::vector<double> intrinsics) const;
   static CameraModel Pinhole(int width, int height, double fx, double fy, double cx, double cy);
 
   int width() const { return width_; }

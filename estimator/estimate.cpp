@@ -4,6 +4,7 @@
 
 #include "base/format.h"
 #include "base/stopwatch.h"
+#include "estimator/calibration_response.h"
 #include "estimator/exposure_level.h"
 #include "estimator/notes.h"
 #include "estimator/observe/observed_scene.h"
@@ -22,14 +23,15 @@ namespace {
 Result<Estimate> EstimateAtLevel(const observe::Observations& all,
                                  const std::vector<cv::Mat>& signatures,
                                  const EstimateOptions& options, double level,
-                                 select::Refined* refined) {
+                                 select::Refined* refined, const CalibrationAsked& calibration) {
   observe::Observations scaled = all;
   Scale(scaled, 1.0 / level);
   std::vector<cv::Mat> scaled_signatures;
   for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
   EstimateOptions scaled_options = options;
   if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
-  auto estimate = EstimateObservations(scaled, scaled_signatures, scaled_options, nullptr, refined);
+  auto estimate = EstimateObservations(scaled, scaled_signatures, scaled_options, nullptr, refined,
+                                       calibration);
   if (!estimate) return estimate;
   Scale(*estimate, level);
   estimate->notes.push_back(
@@ -74,7 +76,8 @@ model::Scene Estimate::ToScene() const {
 Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, observe::IntensityMap* map,
-                                      select::Refined* refined) {
+                                      select::Refined* refined,
+                                      const CalibrationAsked& calibration) {
   const Stopwatch stopwatch;
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -83,7 +86,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
   const double noise = observe::EstimateNoise(all), brightest = observe::BrightestRadiance(all);
   const double level = ExposureLevel(brightest);
-  if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined);
+  if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined, calibration);
   Tell(options.watch, Part::kStart);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   start::Start start = StartOf(all, noise, used_map, options);
@@ -102,7 +105,14 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
                                           options.model, estimate.ladder, options.watch.stop);
   if (StopRequested(options.watch.stop)) return InterruptedError();
-  FillFromFit(all, result, estimate);
+  std::optional<uncertainty::CalibrationResponse> response;
+  if (calibration) {
+    Tell(options.watch, Part::kBudget);
+    auto answered = calibration(all, result.solution);
+    if (!answered) return Forward(answered);
+    response = std::move(*answered);
+  }
+  FillFromFit(all, result, estimate, response ? &*response : nullptr);
   if (const Status status = CheckLights(estimate, noise, brightest); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
@@ -125,8 +135,14 @@ Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyfram
   const double built = stopwatch.Seconds();
   EstimateOutput out;
   select::Refined refined;
-  auto estimate =
-      EstimateObservations(observed->pixels, observed->signatures, options, &out.map, &refined);
+  CalibrationAsked calibration;
+  if (options.calibration)
+    calibration = [&](const observe::Observations& all, const solve::Solution& solution) {
+      return RespondToCalibration({keyframes, geometry, rays}, all, solution, *options.calibration,
+                                  options.watch.stop);
+    };
+  auto estimate = EstimateObservations(observed->pixels, observed->signatures, options, &out.map,
+                                       &refined, calibration);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;

@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "base/stop_flag.h"
 #include "calib/camera_model.h"
+#include "estimator/calibration_errors.h"
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/keyframe.h"
 #include "estimator/model/model_choice.h"
@@ -29,6 +30,7 @@ enum class Part {
   kObserve,  // pixels traced to the target
   kStart,    // lights looked for on a sample of the pixels
   kRefine,   // everything solved on all pixels, and its uncertainty
+  kBudget,   // what the calibration's errors change; only with one
 };
 
 // How a caller follows an estimate and ends it.
@@ -43,6 +45,9 @@ struct EstimateOptions {
   // Goes on from an earlier estimate (in W) without looking for lights again.
   std::optional<model::Scene> warm_start;
   model::ModelChoice model;  // with a start or without
+  // What the keyframes' calibration may have wrong; must outlive the call. None: it is taken as
+  // exact.
+  const CalibrationErrors* calibration = nullptr;
   Watch watch;
 };
 
@@ -86,7 +91,8 @@ struct Estimate {
   model::Reflectance reflectance;     // max(albedo) = 1; specular_model kNone if none was found
   ReflectanceSigma sigma;             // total, as all sigmas here
   uncertainty::Uncertainty stat;      // their statistical parts, lights in the same order
-  bool has_sigmas = true;             // false: the method states none, and all are NaN
+  std::vector<uncertainty::BudgetItem> budget;  // what the total ones are made of, item by item
+  bool has_sigmas = true;                       // false: the method states none, and all are NaN
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
   Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();  // in W: centroid of what was observed
@@ -115,14 +121,20 @@ struct EstimateOutput {
       residuals;  // per keyframe: grey observed minus model; NaN where unobserved
 };
 
+// How a fit of these observations answers to the calibration's errors; nothing: they are none.
+using CalibrationAsked = std::function<Result<std::optional<uncertainty::CalibrationResponse>>(
+    const observe::Observations& all, const solve::Solution& solution)>;
+
 // The estimate itself, from observations and the views' signatures (see views.h). On the way out,
-// map and refined (both optional) receive what pictures and residual maps are made of. Fails with
-// kNoEstimate when nothing usable was observed, with kInterrupted when options.watch.stop was set.
+// map and refined (both optional) receive what pictures and residual maps are made of. calibration
+// (optional) is asked once, at the solution. Fails with kNoEstimate when nothing usable was
+// observed, with kInterrupted when options.watch.stop was set, and as `calibration` does.
 Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options,
                                       observe::IntensityMap* map = nullptr,
-                                      select::Refined* refined = nullptr);
+                                      select::Refined* refined = nullptr,
+                                      const CalibrationAsked& calibration = {});
 
 // Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
 // everything clipped, everything dark, nothing of the target in view; with kInterrupted when

@@ -7,6 +7,17 @@ namespace {
 
 constexpr double kDimmest = 0.02, kBrightest = 50.0;  // of white
 
+void Scale(uncertainty::Uncertainty& sigma, double by) {
+  sigma.ambient *= by;
+  sigma.diffuse *= by;
+  sigma.specular *= by;
+  sigma.ambient_product *= by;
+  for (uncertainty::LightSigma& light : sigma.lights) {
+    light.diffuse_product *= by;
+    light.specular_product *= by;
+  }
+}
+
 }  // namespace
 
 double ExposureLevel(double brightest) {
@@ -18,6 +29,7 @@ double ExposureLevel(double brightest) {
 void Scale(observe::Observations& observations, double by) {
   for (auto& channel : observations.radiance)
     for (float& value : channel) value *= static_cast<float>(by);
+  observations.level *= by;
   for (float& value : observations.variance) value *= static_cast<float>(by * by);
 }
 
@@ -29,23 +41,18 @@ void Scale(model::Reflectance& r, double by) {
 
 void Scale(Estimate& estimate, double by) {
   Scale(estimate.reflectance, by);
+  Scale(estimate.stat, by);
   for (auto* sigma : {&estimate.sigma.ambient, &estimate.sigma.diffuse, &estimate.sigma.specular,
-                      &estimate.stat.ambient, &estimate.stat.diffuse, &estimate.stat.specular,
                       &estimate.initial_rms, &estimate.rms})
     *sigma *= by;
-  for (auto* colour :
-       {&estimate.ambient_product, &estimate.ambient_product_sigma, &estimate.stat.ambient_product})
-    *colour *= by;
+  for (auto* colour : {&estimate.ambient_product, &estimate.ambient_product_sigma}) *colour *= by;
   for (LightEstimate& light : estimate.lights) {
     light.diffuse_product *= by;
     light.diffuse_product_sigma *= by;
     light.specular_product *= by;
     light.specular_product_sigma *= by;
   }
-  for (uncertainty::LightSigma& light : estimate.stat.lights) {
-    light.diffuse_product *= by;
-    light.specular_product *= by;
-  }
+  for (uncertainty::BudgetItem& item : estimate.budget) Scale(item.sigma, by);
   for (IterationRecord& record : estimate.history) record.rms *= by;
 }
 

@@ -1,6 +1,8 @@
 #include "estimator/report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "estimator/solve/normal_equations.h"
@@ -19,7 +21,9 @@ LightEstimate MakeLight(const uncertainty::ReportedLight& reported,
   out.light = reported.light;
   out.near = near;
   out.direction_sigma = sigma.direction;
-  // A light held at infinity: what the fit with free distances found belongs to the error of 0.
+  // A light held at infinity: what the fit with free distances found belongs to the error of 0, and
+  // sigma has the calibration's part alone.
+  if (!near) rho_sigma = std::hypot(rho_sigma, sigma.inverse_distance);
   out.inverse_distance_sigma = near ? sigma.inverse_distance : std::hypot(rho_sigma, rho_free);
   const double upper = rho_free + kNinetyFivePercent * rho_sigma;
   if (upper > 0.0 && std::isfinite(upper)) out.distance_min = 1.0 / upper;
@@ -58,18 +62,58 @@ void FillSigmas(const uncertainty::Uncertainty& sigma, double specular_limit, Es
   out.weak = sigma.weak;
 }
 
+// The item of the budget, made if it is not there yet.
+uncertainty::Uncertainty& ItemOf(const uncertainty::BudgetWords& words, Estimate& out) {
+  for (uncertainty::BudgetItem& item : out.budget)
+    if (item.words.item == words.item) return item.sigma;
+  uncertainty::BudgetItem item{words, {}};
+  item.sigma.lights.resize(out.lights.size());
+  out.budget.push_back(item);
+  return out.budget.back().sigma;
+}
+
+double Rest(double total, double part) {
+  return std::sqrt(std::max(total * total - part * part, 0.0));
+}
+
+// Of what the fit holds at 0 the sigmas are those of an earlier fit, which did not.
+void FillBudgetOfHeld(const select::Refined& refined, const std::vector<std::size_t>& order,
+                      Estimate& out) {
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t l = order[i];
+    if (refined.near[l]) continue;
+    const double stat = refined.inverse_distance_sigma_stat[l];
+    ItemOf(uncertainty::NoiseWords(), out).lights[i].inverse_distance = stat;
+    ItemOf(uncertainty::EarlierWords(), out).lights[i].inverse_distance =
+        Rest(refined.inverse_distance_sigma[l], stat);
+    ItemOf(uncertainty::LightsWords(), out).lights[i].inverse_distance =
+        std::abs(refined.inverse_distance[l]);
+  }
+  if (out.reflectance.specular_model != model::SpecularModel::kNone) return;
+  const double stat = refined.specular_sigma_stat, rest = Rest(refined.specular_sigma, stat);
+  for (const auto& [words, sigma] :
+       {std::pair(&uncertainty::NoiseWords(), stat), {&uncertainty::EarlierWords(), rest}}) {
+    uncertainty::Uncertainty& item = ItemOf(*words, out);
+    item.specular = sigma;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      item.lights[i].specular_product = sigma * out.lights[i].light.intensity;
+  }
+}
+
 double RmsOf(double values, double cost) { return std::sqrt(2.0 * cost / values); }
 
 }  // namespace
 
-void FillFromFit(const observe::Observations& all, const select::Refined& refined, Estimate& out) {
+void FillFromFit(const observe::Observations& all, const select::Refined& refined, Estimate& out,
+                 const uncertainty::CalibrationResponse* calibration) {
   const solve::Solution& solution = refined.solution;
   const auto order = uncertainty::StrengthOrder(solution.scene, all);
   const uncertainty::Reported reported = uncertainty::Report(solution.scene, all, order);
-  const uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
-      solution, all, order, refined.views_per_distinct, refined.splits);
+  uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
+      solution, all, order, refined.views_per_distinct, refined.splits, calibration);
   const uncertainty::Uncertainty& sigma = sigmas.total;
   out.stat = sigmas.stat;
+  out.budget = std::move(sigmas.budget);
   out.reflectance = reported.reflectance;
   out.reference_point = all.reference;
   out.channels = all.channels;
@@ -88,6 +132,7 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
       out.stat.lights[i].specular_product =
           refined.specular_sigma_stat * out.lights[i].light.intensity;
   }
+  FillBudgetOfHeld(refined, order, out);
   solve::EvaluateOptions squares = refined.options.evaluate;
   squares.huber = 0.0;
   squares.gradient_only = true;

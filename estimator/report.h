@@ -8,8 +8,8 @@
 namespace turnlight::estimator {
 
 // Lights, reflectance, products, their sigmas and the residual; the decisions, notes, views and
-// times are the caller's.
+// times are the caller's. calibration may be null.
 void FillFromFit(const observe::Observations& observations, const select::Refined& refined,
-                 Estimate& out);
+                 Estimate& out, const uncertainty::CalibrationResponse* calibration = nullptr);
 
 }  // namespace turnlight::estimator

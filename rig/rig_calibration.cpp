@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/format.h"
 #include "base/sha256.h"
+#include "rig/covariance_fields.h"
 #include "rig/session/session_fields.h"
 
 namespace turnlight::rig {
@@ -19,31 +20,10 @@ using Covariance = std::optional<Eigen::MatrixXd>;
 
 constexpr char kFormat[] = "turnlight-rig-calibration";
 constexpr std::uint64_t kMaxFileBytes = 16 << 20;
-// Sums of products differ by their order.
-constexpr double kSymmetryTolerance = 1e-9;
 
 void ReadUnit(StrictObject& object, const std::string& unit) {
   if (object.String("unit") != unit && object.ok())
     object.Refuse("unit", "\"" + unit + "\", the unit of this number in this file");
-}
-
-Covariance ReadCovariance(StrictObject& object, Eigen::Index size) {
-  if (object.Raw("covariance").is_null()) return std::nullopt;
-  const auto count = static_cast<std::size_t>(size);
-  const std::vector<double> rows = object.Matrix("covariance", count, count);
-  Eigen::MatrixXd matrix(size, size);
-  for (Eigen::Index r = 0; r < size; ++r)
-    for (Eigen::Index c = 0; c < size; ++c)
-      matrix(r, c) = rows[static_cast<std::size_t>(r * size + c)];
-  if (!object.ok()) return std::nullopt;
-  if ((matrix.diagonal().array() < 0.0).any())
-    object.RefuseText("covariance", "a variance is negative, allowed is 0 or more");
-  for (Eigen::Index r = 0; r < size; ++r)
-    for (Eigen::Index c = 0; c < r; ++c)
-      if (std::abs(matrix(r, c) - matrix(c, r)) >
-          kSymmetryTolerance * std::sqrt(matrix(r, r) * matrix(c, c)))
-        object.RefuseText("covariance", "rows and columns differ, allowed is a symmetric matrix");
-  return matrix;
 }
 
 Status ReadLens(StrictObject object, const fs::path& folder,
@@ -123,6 +103,8 @@ std::array<int, 2> ReadPair(StrictObject& object, const char* key, double min,
   return value;
 }
 
+}  // namespace
+
 Status ReadDevices(StrictObject object, CalibratedDevices& devices) {
   StrictObject camera = object.Object("camera"), table = object.Object("table");
   devices.lens = object.OptionalString("lens").value_or("");
@@ -138,6 +120,8 @@ Status ReadDevices(StrictObject object, CalibratedDevices& devices) {
   return table.Finish();
 }
 
+namespace {
+
 // What the parts say together.
 Status CheckTogether(const RigCalibration& calibration) {
   if (calibration.geometry.angle_scale == 0.0)
@@ -151,13 +135,22 @@ Status CheckTogether(const RigCalibration& calibration) {
                     std::to_string(size.width) + " x " + std::to_string(size.height));
 }
 
+Status ReadJoint(StrictObject object, CalibrationCovariances& known) {
+  auto joint = ReadJointCovariance(std::move(object), known);
+  if (!joint) return Forward(joint);
+  known.joint = std::move(*joint);
+  return {};
+}
+
 Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
   const std::string unit = object.OptionalString("length_unit").value_or("mm");
   if (!IsWord(unit)) object.Refuse("length_unit", "a word without spaces, such as \"mm\"");
   StrictObject camera_model = object.Object("camera_model"), X_WC = object.Object("X_WC"),
-               X_WA = object.Object("X_WA"), X_AT = object.Object("X_AT"),
-               scale = object.Object("angle_scale"), offset = object.Object("angle_offset"),
-               radiometry = object.Object("radiometry"), identity = object.Object("identity");
+               X_WA = object.Object("X_WA"), scale = object.Object("angle_scale"),
+               offset = object.Object("angle_offset"), radiometry = object.Object("radiometry"),
+               identity = object.Object("identity");
+  const auto X_AT = object.OptionalObject("X_AT"),
+             joint = object.OptionalObject("joint_covariance");
   Status status = object.Finish();
   std::optional<calib::CameraModel> lens;
   CalibrationCovariances sigma;
@@ -171,26 +164,17 @@ Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
   calib::TurntableGeometry& geometry = calibration.geometry;
   status = ReadPoseObject(X_WC, unit, geometry.X_WC, known.X_WC);
   if (status) status = ReadPoseObject(X_WA, unit, geometry.X_WA, known.X_WA);
-  if (status) status = ReadPoseObject(X_AT, unit, geometry.X_AT, known.X_AT);
+  calibration.target_placed = X_AT.has_value();
+  if (status && X_AT) status = ReadPoseObject(*X_AT, unit, geometry.X_AT, known.X_AT);
   if (status) status = ReadNumberObject(scale, "deg/deg", geometry.angle_scale, known.angle_scale);
   if (status)
     status = ReadNumberObject(offset, "deg", geometry.angle_offset_deg, known.angle_offset);
   if (status) status = ReadRadiometryObject(radiometry, calibration);
   if (status) status = ReadDevices(identity, calibration.devices);
+  if (status && joint) status = ReadJoint(*joint, known);
   if (status) status = CheckTogether(calibration);
   if (!status) return Forward(status);
   return calibration;
-}
-
-void AddCovariance(ordered_json& object, const Covariance& covariance) {
-  if (!covariance) return;
-  ordered_json rows = ordered_json::array();
-  for (Eigen::Index r = 0; r < covariance->rows(); ++r) {
-    rows.push_back(ordered_json::array());
-    for (Eigen::Index c = 0; c < covariance->cols(); ++c)
-      rows.back().push_back((*covariance)(r, c));
-  }
-  object["covariance"] = rows;
 }
 
 ordered_json PrintValue(ordered_json value, const std::string& unit, const Covariance& covariance) {
@@ -233,6 +217,8 @@ ordered_json PrintDevice(const DeviceIdentity& device) {
   return {{"vendor", device.vendor}, {"model", device.model}, {"serial", device.serial}};
 }
 
+}  // namespace
+
 ordered_json PrintDevices(const CalibratedDevices& devices) {
   ordered_json camera = PrintDevice(devices.camera);
   camera["resolution"] = std::array{devices.resolution.width, devices.resolution.height};
@@ -241,6 +227,8 @@ ordered_json PrintDevices(const CalibratedDevices& devices) {
   return {{"camera", camera}, {"table", PrintDevice(devices.table)}, {"lens", devices.lens}};
 }
 
+namespace {
+
 std::string PrintCalibration(const RigCalibration& calibration, const std::string& lens_path,
                              const std::string& lens_text) {
   const calib::TurntableGeometry& geometry = calibration.geometry;
@@ -248,18 +236,21 @@ std::string PrintCalibration(const RigCalibration& calibration, const std::strin
   const std::string& unit = calibration.length_unit;
   ordered_json lens{{"path", lens_path}, {"sha256", Sha256Hex(lens_text)}, {"unit", "pixel"}};
   AddCovariance(lens, known.camera_model);
-  const std::pair<const char*, ordered_json> parts[] = {
+  std::vector<std::pair<const char*, ordered_json>> parts = {
       {"format", kFormat},
       {"version", 1},
       {"length_unit", unit},
       {"camera_model", lens},
       {"X_WC", PrintValue(PrintPose(geometry.X_WC), unit, known.X_WC)},
       {"X_WA", PrintValue(PrintPose(geometry.X_WA), unit, known.X_WA)},
-      {"X_AT", PrintValue(PrintPose(geometry.X_AT), unit, known.X_AT)},
       {"angle_scale", PrintValue(geometry.angle_scale, "deg/deg", known.angle_scale)},
       {"angle_offset", PrintValue(geometry.angle_offset_deg, "deg", known.angle_offset)},
       {"radiometry", PrintRadiometryObject(calibration)},
       {"identity", PrintDevices(calibration.devices)}};
+  if (calibration.target_placed)
+    parts.insert(parts.begin() + 6,
+                 {"X_AT", PrintValue(PrintPose(geometry.X_AT), unit, known.X_AT)});
+  if (known.joint) parts.emplace_back("joint_covariance", PrintJointCovariance(*known.joint));
   std::string text;
   for (const auto& [key, value] : parts)
     text += (text.empty() ? "{\n \"" : ",\n \"") + std::string(key) + "\": " + value.dump();
@@ -307,6 +298,13 @@ Status WriteRigCalibration(const RigCalibration& calibration, const fs::path& pa
   const fs::path lens_path = fs::path(path).replace_extension(".cameramodel");
   if (Status status = WriteFileAtomic(lens_path, lens); !status) return status;
   return WriteFileAtomic(path, PrintCalibration(calibration, lens_path.filename().string(), lens));
+}
+
+Status CheckTargetPlaced(const RigCalibration& calibration) {
+  if (calibration.target_placed) return {};
+  return InputError(calibration.source +
+                    ": X_AT: this key is missing, as the target's place on the table is not "
+                    "calibrated yet; turnlight calibrate target finds it");
 }
 
 Status CheckPictures(const RigCalibration& calibration, const CameraDevice& camera) {

@@ -6,10 +6,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/result.h"
 #include "base/strict_object.h"
@@ -32,14 +34,24 @@ struct CalibratedDevices {
   std::string lens;  // a note for people: which lens, its focus and aperture
 };
 
+// The key identity of a calibration and of a raw capture.
+Status ReadDevices(StrictObject object, CalibratedDevices& devices);
+nlohmann::ordered_json PrintDevices(const CalibratedDevices& devices);
+
 // Symmetric, with no negative variance. Of poses 6 x 6: of a rotation vector w (radians, in the
 // axes of the pose's first frame) and of a shift d (length unit), as R -> Exp(w) R, t -> t + d.
+struct JointCovariance {
+  // Keys of the file that have a covariance of their own, in the order of the matrix.
+  std::vector<std::string> of;
+  Eigen::MatrixXd matrix;  // its diagonal blocks are those covariances
+};
 struct CalibrationCovariances {
   std::optional<Eigen::MatrixXd> camera_model;  // of the intrinsics, in their order and units
   std::optional<Eigen::MatrixXd> X_WC, X_WA, X_AT;
   std::optional<Eigen::MatrixXd> angle_scale;   // 1 x 1
   std::optional<Eigen::MatrixXd> angle_offset;  // 1 x 1, deg^2
   std::optional<Eigen::MatrixXd> radiometry;    // 2 x 2, of black and white, DN^2
+  std::optional<JointCovariance> joint;         // of parts whose errors go together
   std::optional<Eigen::MatrixXd> noise;         // 2 x 2, of read_noise_dn and dn_per_electron
 };
 
@@ -49,6 +61,7 @@ struct RigCalibration {
   std::string length_unit = "mm";
   calib::CameraModel lens;
   calib::TurntableGeometry geometry;
+  bool target_placed = true;     // false: X_AT is not known yet, and not in the file
   calib::Radiometry radiometry;  // of raw DN
   SensorNoise noise;
   CalibratedDevices devices;
@@ -66,6 +79,9 @@ Result<RigCalibration> ReadRigCalibration(StrictObject object, const std::filesy
 // Writes the file and beside it its lens, with the ending .cameramodel; whole or not at all. Every
 // number reads back to the same bits.
 Status WriteRigCalibration(const RigCalibration& calibration, const std::filesystem::path& path);
+
+// Whether it says where the target is. Fails (kInput) naming the command that finds it.
+Status CheckTargetPlaced(const RigCalibration& calibration);
 
 // Whether it is a calibration of pictures like these, and of these devices. Fails (kInput) naming
 // what differs.

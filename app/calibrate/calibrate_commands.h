@@ -8,7 +8,8 @@
 
 namespace turnlight::app {
 
-// One line for each part: void AddCalibratePART(CLI::App& calibrate, Action& action);
+// One line for each part.
+void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

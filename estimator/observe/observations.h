@@ -40,6 +40,7 @@ struct Observations {
       footprint;                               // dw/du (3), dw/dv (3): change of w across the pixel
   std::array<std::vector<BFloat16>, 6> step;   // dx/du, dx/dv: change of x across the pixel
   std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
+  double level = 1.0;                          // what the keyframes' radiances were multiplied by
   std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
   // Where the sensor's noise is known, else empty: of a pixel's radiances (the mean over the
   // channels), and what it weighs in residuals: the reference sigma over its own, so that weighted

@@ -69,6 +69,21 @@ Observations Picked(const Observations& all, const std::vector<std::size_t>& pic
   return out;
 }
 
+std::vector<std::size_t> PickEvenly(const Observations& all, std::size_t count, std::uint64_t seed,
+                                    const std::vector<std::uint8_t>* usable) {
+  const auto used = [&](std::size_t i) {
+    return all.pixel[i] != Observations::kNoPixel && (usable == nullptr || (*usable)[i] != 0);
+  };
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) total += used(i) ? 1 : 0;
+  const RandomStream random(seed, 0);
+  std::vector<std::size_t> picked;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i) && random.Uniform(i) * static_cast<double>(total) < static_cast<double>(count))
+      picked.push_back(i);
+  return picked;
+}
+
 }  // namespace
 
 Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed) {
@@ -93,17 +108,20 @@ Observations Subsample(const Observations& all, std::size_t count, std::uint64_t
 
 Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
                            const std::vector<std::uint8_t>* usable) {
-  const auto used = [&](std::size_t i) {
-    return all.pixel[i] != Observations::kNoPixel && (usable == nullptr || (*usable)[i] != 0);
-  };
-  std::size_t total = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) total += used(i) ? 1 : 0;
-  const RandomStream random(seed, 0);
-  std::vector<std::size_t> picked;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (used(i) && random.Uniform(i) * static_cast<double>(total) < static_cast<double>(count))
-      picked.push_back(i);
-  return Picked(all, picked);
+  return Picked(all, PickEvenly(all, count, seed, usable));
+}
+
+PixelSample SampleOfKeyframes(const Observations& all, std::size_t count, std::uint64_t seed,
+                              const std::vector<std::uint8_t>* usable) {
+  const std::vector<std::size_t> picked = PickEvenly(all, count, seed, usable);
+  PixelSample out{Picked(all, picked), {}};
+  out.keyframe.assign(out.pixels.size(), 0);
+  std::uint32_t keyframe = 0;
+  for (std::size_t i = 0; i < picked.size(); ++i) {
+    while (picked[i] / kTile >= all.tile_begin[keyframe + 1]) ++keyframe;
+    out.keyframe[i] = keyframe;
+  }
+  return out;
 }
 
 }  // namespace turnlight::estimator::observe

@@ -19,4 +19,12 @@ Observations Subsample(const Observations& all, std::size_t count, std::uint64_t
 Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
                            const std::vector<std::uint8_t>* usable);
 
+// The same, and the keyframe of each of its pixels (of filling, 0).
+struct PixelSample {
+  Observations pixels;
+  std::vector<std::uint32_t> keyframe;
+};
+PixelSample SampleOfKeyframes(const Observations& all, std::size_t count, std::uint64_t seed,
+                              const std::vector<std::uint8_t>* usable);
+
 }  // namespace turnlight::estimator::observe

@@ -39,26 +39,29 @@ struct Hit {
 
 class FrameTracer {
  public:
-  FrameTracer(const model::Keyframe& keyframe, const target::Geometry& geometry,
+  FrameTracer(const calib::RigPoses& poses, const target::Geometry& geometry,
               const calib::RayGrid& rays)
-      : keyframe_(keyframe),
+      : X_WT_(poses.X_WT),
         geometry_(geometry),
         rays_(rays),
-        X_TC_(keyframe.X_WT.Inverse() * keyframe.X_WC) {}
+        X_TC_(poses.X_WT.Inverse() * poses.X_WC) {}
 
-  std::optional<PixelGeometry> Trace(int column, int row) const {
-    const auto center = TraceRay(column, row, 0.0, 0.0);
+  // About the point (column + du, row + dv), |du|, |dv| <= 0.5.
+  std::optional<PixelGeometry> Trace(int column, int row, double du, double dv) const {
+    const auto center = TraceRay(column, row, du, dv);
     if (!center) return std::nullopt;
     PixelGeometry pixel;
-    const Eigen::Matrix3d& R_WT = keyframe_.X_WT.rotation;
-    pixel.position = keyframe_.X_WT * center->point.position;
+    const Eigen::Matrix3d& R_WT = X_WT_.rotation;
+    pixel.position = X_WT_ * center->point.position;
     pixel.normal = R_WT * center->point.normal;
     pixel.face_normal = R_WT * center->point.geometric_normal;
     pixel.mirrored = R_WT * center->mirrored_T;
     pixel.cosine = std::min(center->point.normal.dot(center->to_viewer_T),
                             center->point.geometric_normal.dot(center->to_viewer_T));
-    const auto left = TraceRay(column, row, -0.5, 0.0), right = TraceRay(column, row, 0.5, 0.0);
-    const auto up = TraceRay(column, row, 0.0, -0.5), down = TraceRay(column, row, 0.0, 0.5);
+    const auto left = TraceRay(column, row, du - 0.5, dv);
+    const auto right = TraceRay(column, row, du + 0.5, dv);
+    const auto up = TraceRay(column, row, du, dv - 0.5);
+    const auto down = TraceRay(column, row, du, dv + 0.5);
     if (!left || !right || !up || !down) return pixel;
     pixel.normal = R_WT * MeanOver(center->point.normal, left->point.normal, right->point.normal,
                                    up->point.normal, down->point.normal);
@@ -67,7 +70,7 @@ class FrameTracer {
         MeanOver(center->point.position, left->point.position, right->point.position,
                  up->point.position, down->point.position) -
         center->point.position;
-    pixel.position = keyframe_.X_WT * (center->point.position + bend - n.dot(bend) * n);
+    pixel.position = X_WT_ * (center->point.position + bend - n.dot(bend) * n);
     pixel.mirrored = R_WT * MeanOver(center->mirrored_T, left->mirrored_T, right->mirrored_T,
                                      up->mirrored_T, down->mirrored_T)
                                 .normalized();
@@ -100,7 +103,7 @@ class FrameTracer {
     return bend <= 0.3 * step + 1e-9 * geometry_.radius() && turn_bend <= 0.3 * turn + 0.002;
   }
 
-  const model::Keyframe& keyframe_;
+  const calib::Pose& X_WT_;
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
   calib::Pose X_TC_;
@@ -115,10 +118,23 @@ cv::Mat1b Eroded(const cv::Mat1b& mask, int margin) {
 
 }  // namespace
 
+std::optional<PixelGeometry> TracePixel(const calib::RigPoses& poses,
+                                        const target::Geometry& geometry,
+                                        const calib::RayGrid& rays, const Eigen::Vector2d& point) {
+  const Eigen::Vector2d pixel = point.array().round();
+  if (!(pixel.x() >= 0.0 && pixel.x() < rays.width() && pixel.y() >= 0.0 &&
+        pixel.y() < rays.height()))
+    return std::nullopt;
+  const Eigen::Vector2d within = point - pixel;
+  return FrameTracer(poses, geometry, rays)
+      .Trace(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()), within.x(), within.y());
+}
+
 FramePixels TraceKeyframe(const model::Keyframe& keyframe, const target::Geometry& geometry,
                           const calib::RayGrid& rays) {
   const int width = rays.width(), height = rays.height();
-  const FrameTracer tracer(keyframe, geometry, rays);
+  const calib::RigPoses poses{keyframe.X_WC, keyframe.X_WT};
+  const FrameTracer tracer(poses, geometry, rays);
   std::vector<std::optional<PixelGeometry>> traced(static_cast<std::size_t>(width) * height);
   cv::Mat1b target(height, width, std::uint8_t{0});
   ParallelFor(static_cast<std::size_t>(height), [&](std::size_t r) {
@@ -126,7 +142,7 @@ FramePixels TraceKeyframe(const model::Keyframe& keyframe, const target::Geometr
     for (int column = 0; column < width; ++column) {
       if (keyframe.mask(row, column) == 0) continue;
       auto& pixel = traced[r * width + column];
-      pixel = tracer.Trace(column, row);
+      pixel = tracer.Trace(column, row, 0.0, 0.0);
       if (pixel) target(row, column) = 255;
     }
   });

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "calib/camera_model.h"
+#include "calib/rig_geometry.h"
 #include "estimator/model/keyframe.h"
 #include "estimator/target/geometry.h"
 
@@ -45,5 +47,11 @@ struct FramePixels {
 // Traces the rays of all pixels of the mask, in parallel, deterministically.
 FramePixels TraceKeyframe(const model::Keyframe& keyframe, const target::Geometry& geometry,
                           const calib::RayGrid& rays);
+
+// One pixel's width about an image point; not smooth if it meets no one piece of surface all round.
+// None if its middle meets nothing, or lies outside the picture.
+std::optional<PixelGeometry> TracePixel(const calib::RigPoses& poses,
+                                        const target::Geometry& geometry,
+                                        const calib::RayGrid& rays, const Eigen::Vector2d& point);
 
 }  // namespace turnlight::estimator::observe

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "estimator/model/tangent_basis.h"
 #include "estimator/solve/coordinates.h"
@@ -133,6 +134,13 @@ double LargerEigenvalue(const Eigen::Matrix2d& m) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues().maxCoeff();
 }
 
+// The variance along the larger axis of the total's.
+double AlongLargerAxis(const Eigen::Matrix2d& total, const Eigen::Matrix2d& m) {
+  const Eigen::Vector2d axis =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(total).eigenvectors().col(1);
+  return std::max(axis.dot(m * axis), 0.0);
+}
+
 Propagation Propagate(const solve::Solution& solution, const observe::Observations& observations,
                       const std::vector<std::size_t>& order, const solve::Columns& columns,
                       const Covariance& covariance,
@@ -143,6 +151,7 @@ Propagation Propagate(const solve::Solution& solution, const observe::Observatio
   Propagation out{values,
                   Eigen::MatrixXd::Zero(values.size(), n),
                   std::vector<bool>(static_cast<std::size_t>(values.size()), false),
+                  observations.radius,
                   {}};
   if (tilted_scene)
     out.tilt_shift = Flatten(Report(*tilted_scene, observations, order), at) - values;
@@ -165,8 +174,9 @@ Propagation Propagate(const solve::Solution& solution, const observe::Observatio
   return out;
 }
 
+// total: given for an item of it.
 Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& unknown,
-                      std::size_t lights) {
+                      std::size_t lights, const Eigen::MatrixXd* total = nullptr) {
   const auto is_unknown = [&](Eigen::Index q) { return unknown[static_cast<std::size_t>(q)]; };
   const auto sigma = [&](Eigen::Index q) {
     return is_unknown(q) ? kUnknown : std::sqrt(std::max(result(q, q), 0.0));
@@ -178,9 +188,10 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
   for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(lights); ++l) {
     const Eigen::Index q = kPerLight * l;
     LightSigma& light = out.lights.emplace_back();
-    light.direction = is_unknown(q) || is_unknown(q + 1)
-                          ? kUnknown
-                          : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
+    light.direction =
+        is_unknown(q) || is_unknown(q + 1) ? kUnknown
+        : total ? std::sqrt(AlongLargerAxis(total->block<2, 2>(q, q), result.block<2, 2>(q, q)))
+                : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
     light.inverse_distance = sigma(q + 2);
     light.intensity = sigma(q + 3);
     light.diffuse_product = sigma3(q + 4);
@@ -200,20 +211,41 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
   return out;
 }
 
+// Items of nothing at all are left out.
+std::vector<BudgetItem> BudgetOf(const std::vector<Part>& items, const Eigen::MatrixXd& total,
+                                 const std::vector<bool>& undetermined, std::size_t lights) {
+  std::vector<BudgetItem> out;
+  for (const Part& part : items)
+    if ((part.covariance.diagonal().array() > 0.0).any())
+      out.push_back({part.words, Unflatten(part.covariance, undetermined, lights, &total)});
+  return out;
+}
+
 }  // namespace
 
 Uncertainties EstimateUncertainty(const solve::Solution& solution,
                                   const observe::Observations& observations,
                                   const std::vector<std::size_t>& order, double views_per_distinct,
-                                  const ResidualSplits& splits) {
+                                  const ResidualSplits& splits,
+                                  const CalibrationResponse* calibration) {
   const solve::Columns columns{observations.channels,
                                static_cast<int>(solution.scene.lights.size())};
   const Covariance covariance = Invert(solution, observations, columns, views_per_distinct);
   const Propagation reported =
       Propagate(solution, observations, order, columns, covariance, splits.unmodelled.tilted_scene);
   const Parts parts = PartsOf(solution, columns, splits, covariance, reported, views_per_distinct);
-  Uncertainties out{Unflatten(parts.stat + parts.model, reported.undetermined, order.size()),
-                    Unflatten(parts.stat, reported.undetermined, order.size())};
+  std::vector<Part> items{{NoiseWords(), parts.stat}};
+  items.insert(items.end(), parts.items.begin(), parts.items.end());
+  Eigen::MatrixXd total = parts.stat + parts.model;
+  if (calibration)
+    for (Part& part :
+         CalibrationParts(*calibration, solution, columns, covariance, reported, order)) {
+      total += part.covariance;
+      items.push_back(std::move(part));
+    }
+  Uncertainties out{Unflatten(total, reported.undetermined, order.size()),
+                    Unflatten(parts.stat, reported.undetermined, order.size()),
+                    BudgetOf(items, total, reported.undetermined, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;

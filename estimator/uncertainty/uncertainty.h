@@ -8,6 +8,7 @@
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
 #include "estimator/solve/solver.h"
+#include "estimator/uncertainty/budget.h"
 #include "estimator/uncertainty/reported.h"
 #include "estimator/uncertainty/residual_splits.h"
 
@@ -34,9 +35,17 @@ struct Uncertainty {
   std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
 };
 
+// One item's share of all sigmas. That of a direction is along the larger axis of its total tangent
+// covariance, so that squares add up there too.
+struct BudgetItem {
+  BudgetWords words;
+  Uncertainty sigma;
+};
+
 // sigma_total^2 = sigma_stat^2 + sigma_model^2.
 struct Uncertainties {
   Uncertainty total, stat;
+  std::vector<BudgetItem> budget;  // the noise first; items of nothing are left out
 };
 
 // Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and
@@ -53,10 +62,12 @@ struct Uncertainties {
 // and ambient values. Squares add up. Carried to the reported quantities by their
 // derivatives (central differences). What ended at a bound counts as free, so that a light that
 // looks distant still has a sigma. splits: of this solution. views_per_distinct: what repeats tells
-// nothing new, and covariances are as much larger.
+// nothing new, and covariances are as much larger. calibration (optional): its items are parts of
+// the total, and of a light that is held distant its inverse distance's too.
 Uncertainties EstimateUncertainty(const solve::Solution& solution,
                                   const observe::Observations& observations,
                                   const std::vector<std::size_t>& order, double views_per_distinct,
-                                  const ResidualSplits& splits);
+                                  const ResidualSplits& splits,
+                                  const CalibrationResponse* calibration = nullptr);
 
 }  // namespace turnlight::estimator::uncertainty

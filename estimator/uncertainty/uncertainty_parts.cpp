@@ -40,10 +40,6 @@ struct Linearised {
   double Variance() const { return covariance.variance * variance_inflation; }
 };
 
-void AddShift(const Eigen::VectorXd& shift, Eigen::MatrixXd& model) {
-  model += shift * shift.transpose();
-}
-
 // Half the difference of two halves, as far as it is more than noise.
 void AddHalf(const Eigen::VectorXd& gradient, const Linearised& fit, Parts& out) {
   const double count = static_cast<double>(gradient.size());
@@ -57,7 +53,7 @@ void AddHalf(const Eigen::VectorXd& gradient, const Linearised& fit, Parts& out)
     shift[q] *=
         kErrorsInCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
   }
-  AddShift(shift, out.model);
+  out.Add(HalvesWords(), shift);
 }
 
 // What leaving out the pixels near edges changes, as far as it is more than noise.
@@ -76,25 +72,26 @@ void AddEdges(const solve::NormalEquations& all, const solve::NormalEquations& e
     const double square = std::max(shift[q] * shift[q], 1e-300);
     shift[q] *= std::sqrt(std::max(1.0 - noise / square, 0.0));
   }
-  AddShift(shift, out.model);
+  out.Add(EdgesWords(), shift);
 }
 
 // What the unknowns would change by if the tested number were free, as far as that is more than
 // noise.
-void AddIfSignificant(const AdjustedScore& score, const Linearised& fit, Parts& out) {
+void AddIfSignificant(const BudgetWords& words, const AdjustedScore& score, const Linearised& fit,
+                      Parts& out) {
   const double noise = kOneNumberSigmas * kOneNumberSigmas;
   const double statistic = score.Statistic(fit.Variance());
   if (statistic <= noise) return;
-  AddShift(std::sqrt(1.0 - noise / statistic) * score.slope / score.curvature *
-               (fit.jacobian * score.regression),
-           out.model);
+  out.Add(words, std::sqrt(1.0 - noise / statistic) * score.slope / score.curvature *
+                     (fit.jacobian * score.regression));
 }
 
 // The same of a number that was searched for, and cannot be negative: all of it, if it is there,
 // times `margin`.
 void AddSearched(const AdjustedScore& score, double margin, const Linearised& fit, Parts& out) {
   if (score.slope < 0.0 && score.Statistic(fit.Variance()) > kSearchedSigmas * kSearchedSigmas)
-    AddShift(margin * score.slope / score.curvature * (fit.jacobian * score.regression), out.model);
+    out.Add(LightsWords(),
+            margin * score.slope / score.curvature * (fit.jacobian * score.regression));
 }
 
 // What letting in what the pictures ask for would change.
@@ -118,13 +115,13 @@ void AddUnmodelled(const Unmodelled& unmodelled, const Linearised& fit, Parts& o
     const auto score = adjusted(tilt, kIdentifiableTilt);
     if (score && 0.5 * score->slope * score->slope / score->curvature >=
                      kLeastExplainedByTilt * unmodelled.as_modelled.cost)
-      AddIfSignificant(*score, fit, out);
+      AddIfSignificant(NormalsWords(), *score, fit, out);
   }
   if (const auto score = adjusted(unmodelled.aperture, kIdentifiable))
-    AddIfSignificant(*score, fit, out);
+    AddIfSignificant(PixelsWords(), *score, fit, out);
   for (const Score& extent : unmodelled.extents)
     if (const auto score = adjusted(extent, kIdentifiable)) AddSearched(*score, 1.0, fit, out);
-  AddShift(fit.jacobian * information.Solve(unmodelled.falloff(unknowns)), out.model);
+  out.Add(PixelsWords(), fit.jacobian * information.Solve(unmodelled.falloff(unknowns)));
   if (!unmodelled.light) return;
   if (const auto score = adjusted(*unmodelled.light, kIdentifiable))
     AddSearched(*score, kCoarseDirection, fit, out);
@@ -144,7 +141,7 @@ void AddScatter(double normal_variance, const model::Reflectance& reflectance,
     if (unknowns[i] == columns.Specular())
       step[static_cast<Eigen::Index>(i)] = widening * reflectance.specular;
   }
-  AddShift(fit.jacobian * step, out.model);
+  out.Add(NormalsWords(), fit.jacobian * step);
 }
 
 // Diffuse and ambient light are those of the mean albedo; where that is not uniform, a point's own
@@ -156,7 +153,7 @@ void AddTexture(double texture, const Eigen::VectorXd& values, Parts& out) {
   const Eigen::Index shared = values.size() - kShared;
   shift.tail<3>() = texture * values.tail<3>();
   shift.segment<2>(shared + 3) = texture * values.segment<2>(shared + 3);  // ambient, diffuse
-  AddShift(shift, out.model);
+  out.Add(SurfaceWords(), shift);
 }
 
 // Of a column that was held at its lower bound of 0.
@@ -181,10 +178,11 @@ void AddRoughness(const solve::NormalEquations& equations, const solve::Columns&
   const AdjustedScore score = ScoreOfColumn(equations, column, fit);
   if (!(score.curvature > 0.0)) return;  // nothing diffuse
   if (score.curvature < kIdentifiableRoughness * equations.hessian(column, column)) {
-    AddShift(kCommonRoughness * kCommonRoughness * (fit.jacobian * score.regression), out.model);
+    out.Add(SurfaceWords(),
+            kCommonRoughness * kCommonRoughness * (fit.jacobian * score.regression));
     out.weak.emplace_back("diffuse against roughness: Lambert was taken");
   } else if (score.slope < 0.0) {
-    AddIfSignificant(score, fit, out);
+    AddIfSignificant(SurfaceWords(), score, fit, out);
   }
 }
 
@@ -198,7 +196,8 @@ void AddAlternatives(const solve::NormalEquations& equations, const solve::Colum
     const int column = columns.InverseDistance(l);
     if (std::find(unknowns.begin(), unknowns.end(), column) != unknowns.end()) continue;
     const AdjustedScore score = ScoreOfColumn(equations, column, fit);
-    if (score.curvature > 0.0 && score.slope < 0.0) AddIfSignificant(score, fit, out);
+    if (score.curvature > 0.0 && score.slope < 0.0)
+      AddIfSignificant(LightsWords(), score, fit, out);
   }
 }
 
@@ -221,7 +220,28 @@ void AllowForClusters(const Eigen::MatrixXd& gradients, const Linearised& fit, P
   out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
 }
 
+// By how much a light's inverse distance, held at 0, would follow a change of the gradient with the
+// unknowns. 0 if it is an unknown itself, or not identifiable beside them.
+double HeldDistanceShift(const solve::NormalEquations& equations, const Eigen::VectorXd& gradient,
+                         int column, std::vector<int> unknowns) {
+  if (std::find(unknowns.begin(), unknowns.end(), column) != unknowns.end()) return 0.0;
+  unknowns.push_back(column);
+  const solve::ScaledFactor factor(equations.hessian(unknowns, unknowns));
+  return factor.Good() ? factor.Solve(Eigen::VectorXd(gradient(unknowns))).tail<1>().value() : 0.0;
+}
+
 }  // namespace
+
+void Parts::Add(const BudgetWords& words, const Eigen::VectorXd& shift) {
+  const Eigen::MatrixXd square = shift * shift.transpose();
+  model += square;
+  const auto item = std::find_if(items.begin(), items.end(),
+                                 [&](const Part& part) { return part.words.item == words.item; });
+  if (item != items.end())
+    item->covariance += square;
+  else
+    items.push_back({words, square});
+}
 
 Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
               const ResidualSplits& splits, const Covariance& covariance,
@@ -252,12 +272,46 @@ Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
   const Eigen::VectorXd whole = solution.equations.gradient(unknowns);
   for (const Eigen::VectorXd& half : splits.halves) AddHalf(2.0 * half(unknowns) - whole, fit, out);
   AddEdges(solution.equations, splits.edges, fit, out);
-  AddShift(jacobian * (fit.inverse * splits.finer(unknowns)), out.model);
+  out.Add(PixelsWords(), jacobian * (fit.inverse * splits.finer(unknowns)));
   AddUnmodelled(splits.unmodelled, fit, out);
   AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, columns, fit, out);
   AddTexture(splits.texture, reported.values, out);
-  if (reported.tilt_shift.size() > 0) AddShift(reported.tilt_shift, out.model);
+  if (reported.tilt_shift.size() > 0) out.Add(NormalsWords(), reported.tilt_shift);
   AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, fit, out);
+  return out;
+}
+
+std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
+                                   const solve::Solution& solution, const solve::Columns& columns,
+                                   const Covariance& covariance, const Propagation& reported,
+                                   const std::vector<std::size_t>& order) {
+  const Eigen::Index quantities = reported.jacobian.rows();
+  const std::vector<int>& unknowns = covariance.unknowns;
+  std::vector<Part> out;
+  for (const CalibrationResponse::Item& item : calibration.items)
+    out.push_back({item.words, Eigen::MatrixXd::Zero(quantities, quantities)});
+  if (unknowns.empty()) return out;
+  // A sample that does not determine all is asked by the steps of the whole.
+  const solve::ScaledFactor sample(calibration.as_modelled.hessian(unknowns, unknowns));
+  const Eigen::MatrixXd whole =
+      covariance.matrix / std::max(covariance.variance, 1e-300) *
+      (solution.equations.hessian(unknowns, unknowns).trace() /
+       std::max(calibration.as_modelled.hessian(unknowns, unknowns).trace(), 1e-300));
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Eigen::MatrixXd& gradients = calibration.items[k].gradients;
+    for (Eigen::Index d = 0; d < gradients.cols(); ++d) {
+      const Eigen::VectorXd gradient = gradients.col(d)(unknowns);
+      Eigen::VectorXd shift =
+          reported.jacobian * (sample.Good() ? Eigen::VectorXd(sample.Solve(gradient))
+                                             : Eigen::VectorXd(whole * gradient));
+      for (std::size_t i = 0; i < order.size(); ++i)
+        shift[kPerLight * static_cast<Eigen::Index>(i) + kInverseDistance] +=
+            HeldDistanceShift(calibration.as_modelled, gradients.col(d),
+                              columns.InverseDistance(static_cast<int>(order[i])), unknowns) /
+            reported.radius;
+      out[k].covariance += shift * shift.transpose();
+    }
+  }
   return out;
 }
 

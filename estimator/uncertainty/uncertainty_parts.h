@@ -27,24 +27,40 @@ struct Covariance {
 // rho, intensity, diffuse product (3), specular product, position (3), distance, rho about the
 // reference), for each light; then albedo (3), ambient, diffuse, specular, shininess, roughness,
 // ambient product (3).
-inline constexpr Eigen::Index kPerLight = 13, kShared = 11, kDiffuseProduct = 4;
+inline constexpr Eigen::Index kPerLight = 13, kShared = 11, kInverseDistance = 2,
+                              kDiffuseProduct = 4;
 
 // Propagation of errors: derivatives of the reported quantities by the unknowns.
 struct Propagation {
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
   std::vector<bool> undetermined;  // per quantity: it depends on an undetermined unknown
+  double radius = 1.0;             // R: the unknowns' lengths
   Eigen::VectorXd tilt_shift;      // what a large tilt of the normals changes; empty: there is none
 };
 
 // Covariances of the reported quantities.
+struct Part {
+  BudgetWords words;
+  Eigen::MatrixXd covariance;
+};
 struct Parts {
   Eigen::MatrixXd stat, model;
+  std::vector<Part> items;        // what model is the sum of
   std::vector<std::string> weak;  // what the model left out and the data do not decide
+
+  // A shift of all reported quantities counts as one sigma of that item.
+  void Add(const BudgetWords& words, const Eigen::VectorXd& shift);
 };
 
 Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
               const ResidualSplits& splits, const Covariance& covariance,
               const Propagation& reported, double views_per_distinct);
+
+// What the calibration's errors add: items of `parts` that are not in its model.
+std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
+                                   const solve::Solution& solution, const solve::Columns& columns,
+                                   const Covariance& covariance, const Propagation& reported,
+                                   const std::vector<std::size_t>& order);
 
 }  // namespace turnlight::estimator::uncertainty

@@ -1,35 +1,18 @@
 #include "rig/session/session.h"
 
 #include <exception>
-#include <opencv2/imgproc.hpp>
 
 #include "base/file.h"
 #include "base/sha256.h"
 #include "rig/session/image_file.h"
 #include "rig/session/mesh_file.h"
+#include "rig/session/mosaic.h"
 #include "rig/session/session_files.h"
 
 namespace turnlight::rig {
 namespace {
 
 namespace fs = std::filesystem;
-
-int DemosaicCode(const std::string& pattern) {
-  if (pattern == "RGGB") return cv::COLOR_BayerRGGB2RGB_EA;
-  if (pattern == "BGGR") return cv::COLOR_BayerBGGR2RGB_EA;
-  if (pattern == "GRBG") return cv::COLOR_BayerGRBG2RGB_EA;
-  return cv::COLOR_BayerGBRG2RGB_EA;
-}
-
-Status Demosaic(const std::string& pattern, const std::string& file, cv::Mat& image) {
-  if (image.channels() != 1 || image.depth() == CV_32F || image.rows < 4 || image.cols < 4)
-    return InputError(file + ": the session's radiometry/bayer is " + pattern +
-                      ", which needs pictures of 1 channel, 8 or 16 bits and 4 x 4 pixels or more");
-  cv::Mat colour;
-  cv::demosaicing(image, colour, DemosaicCode(pattern));
-  image = colour;
-  return {};
-}
 
 Result<cv::Mat1b> ReadMask(const fs::path& file, cv::Size size) {
   const auto picture = ReadImage(file, size);
@@ -48,13 +31,7 @@ Result<FrameImages> ReadFrame(const Session& session, std::size_t index) {
 
   const auto file = Locate(session.root, {key + "image", frame.image});
   if (!file) return Forward(file);
-  const auto bytes = ReadFile(*file);
-  if (!bytes) return Forward(bytes);
-  const std::string sha256 = frame.sha256 ? Sha256Hex(*bytes) : std::string();
-  if (frame.sha256 && sha256 != *frame.sha256)
-    return InputError(file->string() + ": the file changed: its SHA-256 is " + sha256 + ", " + key +
-                      "sha256 is " + *frame.sha256);
-  auto image = DecodeImage(*bytes, *file, size);
+  auto image = ReadNamedImage(*file, key + "sha256", frame.sha256, size);
   if (!image) return Forward(image);
   FrameImages images{std::move(*image), cv::Mat1b(size, 255)};
   if (session.bayer) {

@@ -4,6 +4,8 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/sha256.h"
+#include "rig/session/image_file.h"
 #include "rig/session/journal.h"
 
 namespace turnlight::rig {
@@ -50,15 +52,14 @@ Status CheckRelative(const NamedPath& named, const fs::path& root) {
   const std::string file = (root / named.file).string();
   const std::string begin = file + ": " + named.key + ": \"" + named.path + "\" ";
   const fs::path path(named.path);
-  if (path.empty())
-    return InputError(begin + "is empty, allowed is a path in the session's folder");
+  if (path.empty()) return InputError(begin + "is empty, allowed is a path in its folder");
   if (std::any_of(named.path.begin(), named.path.end(),
                   [](unsigned char c) { return c < ' ' || c == 0x7f; }))
     return InputError(file + ": " + named.key + ": holds a control character, allowed is a path");
   if (path.is_absolute())
-    return InputError(begin + "is absolute, allowed are paths relative to the session's folder");
+    return InputError(begin + "is absolute, allowed are paths relative to its folder");
   if (std::find(path.begin(), path.end(), "..") != path.end())
-    return InputError(begin + "contains \"..\", allowed are paths within the session's folder");
+    return InputError(begin + "contains \"..\", allowed are paths within its folder");
   return {};
 }
 
@@ -72,13 +73,23 @@ Result<fs::path> Locate(const fs::path& root, const NamedPath& named) {
   const fs::path real = fs::canonical(root / named.path, code);
   if (code)
     return InputError(begin + "cannot be opened: " + code.message() +
-                      "; every file that a session names must be there");
+                      "; every file that it names must be there");
   const auto [end, rest] =
       std::mismatch(real_root.begin(), real_root.end(), real.begin(), real.end());
-  if (end != real_root.end())
-    return InputError(begin + "is a link that leads out of the session's folder");
+  if (end != real_root.end()) return InputError(begin + "is a link that leads out of its folder");
   if (!fs::is_regular_file(real, code)) return InputError(begin + "is not a regular file");
   return root / named.path;
+}
+
+Result<cv::Mat> ReadNamedImage(const fs::path& file, const std::string& key,
+                               const std::optional<std::string>& sha256, cv::Size size) {
+  const auto bytes = ReadFile(file);
+  if (!bytes) return Forward(bytes);
+  const std::string is = sha256 ? Sha256Hex(*bytes) : std::string();
+  if (sha256 && is != *sha256)
+    return InputError(file.string() + ": the file changed: its SHA-256 is " + is + ", " + key +
+                      " is " + *sha256);
+  return DecodeImage(*bytes, file, size);
 }
 
 Result<ParsedSession> LoadSession(const fs::path& root) {

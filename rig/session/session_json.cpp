@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "rig/session/mosaic.h"
 #include "rig/session/session_fields.h"
 
 namespace turnlight::rig {
 namespace {
 
 using nlohmann::ordered_json;
-
-const std::vector<std::string> kBayerPatterns{"RGGB", "BGGR", "GRBG", "GBRG"};
 
 void Collect(const Status& status, std::vector<std::string>& problems) {
   if (!status) problems.push_back(status.error().text);
@@ -37,7 +36,7 @@ void ParseRadiometry(StrictObject object, Session& session, std::vector<std::str
   object.AllowPrefix("x-");
   Collect(ReadRadiometry(object, session.radiometry), problems);
   Collect(ReadNoise(object, session.radiometry), problems);
-  session.bayer = object.OptionalChoice("bayer", kBayerPatterns);
+  session.bayer = object.OptionalChoice("bayer", BayerPatterns());
   Collect(object.Finish(), problems);
 }
 

@@ -29,7 +29,12 @@ std::size_t CacheBytes(const SyntheticCamera& camera) {
 
 Result<Studio> BuildStudio(const MockCameraConfig& config) {
   auto studio = BuildStudio(config.scene);
-  if (studio) studio->radiometry.reference_exposure_us = config.reference_exposure_us;
+  if (!studio) return studio;
+  studio->radiometry.reference_exposure_us = config.reference_exposure_us;
+  studio->places = config.geometry;
+  studio->prop = config.prop;
+  if (config.scene.motion.kind == MotionKind::kTable)
+    studio->rig = GeometryOf(config.scene.motion, config.geometry);
   return studio;
 }
 
@@ -117,7 +122,7 @@ Result<std::optional<RawFrame>> MockCamera::Poll(DeviceTime now) {
 }
 
 estimator::target::Rendering MockCamera::StaticRender(double angle_deg, bool lit) const {
-  return RenderPlacement(*studio_, PlaceAt(config_.scene.motion, angle_deg), lit);
+  return RenderView(*studio_, {angle_deg, lit});
 }
 
 MockCamera::Deviation MockCamera::DeviationFromStatic(const RawFrame& frame,

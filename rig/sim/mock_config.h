@@ -10,7 +10,9 @@
 #include "base/result.h"
 #include "base/strict_object.h"
 #include "rig/sim/config_fields.h"
+#include "rig/sim/prop.h"
 #include "rig/sim/synthetic_config.h"
+#include "rig/sim/true_geometry.h"
 
 namespace turnlight::rig::sim {
 
@@ -49,6 +51,8 @@ struct MockCameraConfig {
 
   // Of the world.
   SyntheticConfig scene;                  // without masks and clip_share
+  TrueGeometry geometry;                  // of a table; of an orbit as by default
+  std::optional<Prop> prop;               // stands there instead of the scene's target
   double reference_exposure_us = 8000.0;  // 10..1e7
   double trigger_latency_ms = 0.2;        // 0..1000
   double blur_threshold_deg = 1e-4;       // 0..10

@@ -67,8 +67,7 @@ Result<CameraDevice> MakeMockCamera(StrictObject object, const SimulatedWorld& w
 RigKnowledge KnowledgeOf(const SimulatedWorld& world) {
   const SyntheticConfig& scene = world.config.camera.scene;
   const Studio& studio = *world.studio;
-  return {studio.camera, GeometryOf(scene.motion), studio.radiometry,
-          NoiseOf(scene.sensor, studio.radiometry)};
+  return {studio.camera, studio.rig, studio.radiometry, NoiseOf(scene.sensor, studio.radiometry)};
 }
 
 RigTarget TargetOf(const SimulatedWorld& world) {

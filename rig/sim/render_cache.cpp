@@ -10,24 +10,22 @@ std::size_t BytesOf(const cv::Mat& picture) { return picture.total() * picture.e
 
 }  // namespace
 
-RenderCache::RenderCache(std::shared_ptr<const Studio> studio, const Motion& motion,
-                         std::size_t max_bytes)
-    : studio_(std::move(studio)), motion_(motion), max_bytes_(max_bytes) {}
+RenderCache::RenderCache(std::shared_ptr<const Studio> studio, std::size_t max_bytes)
+    : studio_(std::move(studio)), max_bytes_(max_bytes) {}
 
-cv::Mat3f RenderCache::Radiance(double angle_deg, bool lit) {
+cv::Mat3f RenderCache::Radiance(const View& view) {
   std::unique_lock lock(mutex_);
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.angle_deg == angle_deg && entry.lit == lit;
-  });
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& entry) { return entry.view == view; });
   if (found != entries_.end()) {
     rendered_.wait(lock, [&] { return !found->radiance.empty(); });
     const cv::Mat3f radiance = found->radiance;
     entries_.splice(entries_.end(), entries_, found);
     return radiance;
   }
-  const auto entry = entries_.insert(entries_.end(), Entry{angle_deg, lit, {}});
+  const auto entry = entries_.insert(entries_.end(), Entry{view, {}});
   lock.unlock();
-  const cv::Mat3f radiance = RenderPlacement(*studio_, PlaceAt(motion_, angle_deg), lit).radiance;
+  const cv::Mat3f radiance = RenderView(*studio_, view).radiance;
   lock.lock();
   entry->radiance = radiance;
   Trim();

@@ -1,4 +1,4 @@
-// The renders of a simulated scene at rest, kept by angle: a picture taken again, or one whose
+// The renders of a simulated scene at rest, kept by view: a picture taken again, or one whose
 // angle was known ahead, costs the sensor only.
 #pragma once
 
@@ -17,23 +17,21 @@ namespace turnlight::rig::sim {
 class RenderCache {
  public:
   // What was asked for longest ago goes first, once all is larger than max_bytes; the newest stays.
-  RenderCache(std::shared_ptr<const Studio> studio, const Motion& motion, std::size_t max_bytes);
+  RenderCache(std::shared_ptr<const Studio> studio, std::size_t max_bytes);
 
-  // Linear radiance, noise-free, of the scene at that true angle. Not to be written to.
-  cv::Mat3f Radiance(double angle_deg, bool lit);
+  // Linear radiance, noise-free. Not to be written to.
+  cv::Mat3f Radiance(const View& view);
   std::size_t bytes() const;
 
  private:
   struct Entry {
-    double angle_deg;
-    bool lit;
+    View view;
     cv::Mat3f radiance;  // empty while it is being rendered
   };
 
   void Trim();
 
   const std::shared_ptr<const Studio> studio_;
-  const Motion motion_;
   const std::size_t max_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable rendered_;

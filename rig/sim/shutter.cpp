@@ -31,8 +31,9 @@ std::uint64_t Mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-RandomStream NoiseStream(std::uint64_t seed, double commanded_deg, const CameraSettings& set) {
-  std::uint64_t key = 0;
+RandomStream NoiseStream(std::uint64_t seed, double commanded_deg, const CameraSettings& set,
+                         std::uint64_t picture) {
+  std::uint64_t key = picture;
   for (const double part : {commanded_deg * 1e6, set.exposure_us * 1e3, set.gain_db * 1e3})
     key = Mix(key ^ static_cast<std::uint64_t>(std::llround(part)));
   return RandomStream(seed, key);
@@ -65,7 +66,7 @@ Shutter::Shutter(MockCameraConfig config, std::shared_ptr<const Studio> studio,
       studio_(std::move(studio)),
       table_(std::move(table)),
       faults_(std::move(faults)),
-      cache_(studio_, config_.scene.motion, cache_bytes),
+      cache_(studio_, cache_bytes),
       next_id_(static_cast<std::uint64_t>(config_.first_frame_id)) {}
 
 std::optional<FaultEntry> Shutter::Strike(FaultKind kind, DeviceTime now) {
@@ -79,6 +80,7 @@ Shot Shutter::MakeShot(const CameraSettings& settings, DeviceTime begin) {
   shot.begin = begin;
   shot.end = begin + ExposureTime(settings);
   shot.trigger = config_.reports_trigger ? triggers_ : 0;
+  shot.picture = triggers_ - 1;
   shot.id = next_id_;
   next_id_ = next_id_ == kMaxFrameId ? 1 : next_id_ + 1;
   return shot;
@@ -147,6 +149,11 @@ int Shutter::Drain(DeviceTime now) {
   return drained;
 }
 
+View Shutter::ViewOf(const Shot& shot, double angle_deg) const {
+  if (IsHandheld(*studio_)) return {0.0, true, shot.picture};
+  return {angle_deg, shot.lit};
+}
+
 cv::Mat3f Shutter::Expose(const Shot& shot) {
   const int count = config_.blur_samples;
   std::vector<double> angles_deg;
@@ -160,18 +167,18 @@ cv::Mat3f Shutter::Expose(const Shot& shot) {
   }
   const double last_deg = table_->TrueAngleDeg(shot.end);
   if (std::max(high, last_deg) - std::min(low, last_deg) <= config_.blur_threshold_deg)
-    return cache_.Radiance(table_->TrueAngleDeg(shot.begin + (shot.end - shot.begin) / 2),
-                           shot.lit);
+    return cache_.Radiance(
+        ViewOf(shot, table_->TrueAngleDeg(shot.begin + (shot.end - shot.begin) / 2)));
   cv::Mat3f sum(studio_->rays.height(), studio_->rays.width(), cv::Vec3f(0, 0, 0));
   for (const double angle_deg : angles_deg)
-    sum += RenderPlacement(*studio_, PlaceAt(config_.scene.motion, angle_deg), shot.lit).radiance;
+    sum += RenderView(*studio_, ViewOf(shot, angle_deg)).radiance;
   return sum / count;
 }
 
 cv::Mat Shutter::Develop(const Shot& shot, const Sensor& sensor,
                          const calib::Radiometry& radiometry, bool grey) {
-  const RandomStream noise =
-      NoiseStream(config_.scene.seed, table_->CommandedAngleDeg(shot.begin), shot.set);
+  const RandomStream noise = NoiseStream(config_.scene.seed, table_->CommandedAngleDeg(shot.begin),
+                                         shot.set, studio_->prop ? shot.picture : 0);
   const cv::Mat3f colour = Expose(shot) * shot.light_factor;
   const cv::Mat radiance = grey ? cv::Mat(MeanOfChannels(colour)) : cv::Mat(colour);
   cv::Mat image = Photograph(sensor, radiometry, {shot.actual.exposure_us, shot.actual.gain_db},

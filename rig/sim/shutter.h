@@ -13,7 +13,8 @@
 // Noise is keyed by (seed, commanded angle in microdegrees, exposure and gain as they were set,
 // value), never by attempt or clock: a picture taken again at the same commanded angle with the
 // same settings is the same bits (design, section 10). Two pictures at one commanded angle
-// therefore share their noise; 0 and 360 degrees are different angles.
+// therefore share their noise; 0 and 360 degrees are different angles. With a prop
+// (rig/sim/prop.h) it is keyed by the picture's number, too.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +39,7 @@ struct Shot {
   CameraSettings set, actual;
   std::uint64_t id = 0;
   std::uint64_t trigger = 0;
+  std::uint64_t picture = 0;  // its number, from 0 on
   bool complete = true;
   bool lit = true;
   double light_factor = 1.0;
@@ -81,12 +83,13 @@ class Shutter {
   cv::Mat Develop(const Shot& shot, const Sensor& sensor, const calib::Radiometry& radiometry,
                   bool grey);
   // Noise-free, the scene at rest at that true angle.
-  cv::Mat3f Render(double angle_deg, bool lit = true) { return cache_.Radiance(angle_deg, lit); }
+  cv::Mat3f Render(double angle_deg) { return cache_.Radiance({angle_deg}); }
 
  private:
   Shot MakeShot(const CameraSettings& settings, DeviceTime begin);
   void StrikeShot(Shot& shot, DeviceTime now);
   void Enqueue(Shot shot);
+  View ViewOf(const Shot& shot, double angle_deg) const;
   cv::Mat3f Expose(const Shot& shot);
 
   const MockCameraConfig config_;

@@ -8,6 +8,8 @@
 // and
 //   table    how the table really moves (rig/sim/mock_config.h)
 //   shutter  reference_exposure_us, trigger_latency_ms, blur_threshold_deg, blur_samples (there)
+//   geometry where axis and target really are (rig/sim/true_geometry.h); motion/kind must be table
+//   prop     what stands there instead of the target (rig/sim/prop.h)
 //   faults   what goes wrong, and when (rig/sim/fault_script.h)
 #pragma once
 

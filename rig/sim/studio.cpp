@@ -47,10 +47,40 @@ cv::Mat1f ShadingOf(const SyntheticCamera& config) {
   return shading;
 }
 
+// The axis frame, turned as the table is; of an orbit W.
+calib::Pose AxisAt(const calib::RigGeometry& rig, double angle_deg) {
+  const auto* table = std::get_if<calib::TurntableGeometry>(&rig);
+  if (!table) return {};
+  calib::TurntableGeometry axis = *table;
+  axis.X_AT = {};
+  return calib::PosesAt(axis, angle_deg).X_WT;
+}
+
 calib::TargetShape MakeTarget(const SyntheticConfig& config) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&config.target)) return *sphere;
   if (const auto* plane = std::get_if<calib::PlaneShape>(&config.target)) return *plane;
   return MakeBlob(std::get<Blob>(config.target), config.seed);
+}
+
+void Shade(const Studio& studio, cv::Mat3f& radiance) {
+  for (int i = 0; i < static_cast<int>(studio.shading.total()); ++i)
+    radiance(i) *= studio.shading(i);
+}
+
+// Of a board or a field.
+cv::Mat3f RenderProp(const Studio& studio, const calib::RigPoses& poses, double angle_deg,
+                     std::uint64_t picture) {
+  if (const auto* held = std::get_if<HandheldBoard>(&*studio.prop))
+    return RenderBoard(held->board, held->look, PoseOf(*held, studio.camera, picture),
+                       studio.camera);
+  if (const auto* board = std::get_if<TableBoard>(&*studio.prop)) {
+    const calib::Pose X_WA = AxisAt(studio.rig, angle_deg);
+    return RenderBoard(board->board, board->look, poses.X_WC.Inverse() * X_WA * PoseOf(*board),
+                       studio.camera);
+  }
+  const Eigen::Vector3f level = std::get<EvenField>(*studio.prop).radiance.cast<float>();
+  return cv::Mat3f(studio.camera.height(), studio.camera.width(),
+                   cv::Vec3f(level.x(), level.y(), level.z()));
 }
 
 double GainFactor(const calib::Radiometry& radiometry, const calib::Exposure& exposure) {
@@ -105,7 +135,11 @@ Result<Studio> BuildStudio(const SyntheticConfig& config) {
                 estimator::target::Geometry(target),
                 *scene,
                 config.sensor.ToRadiometry(),
-                config.samples_per_side};
+                config.samples_per_side,
+                GeometryOf(config.motion),
+                {},
+                config.seed,
+                {}};
   studio.radiometry.reference_gain_db = 0.0;
   return studio;
 }
@@ -132,8 +166,23 @@ estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::
   estimator::target::Rendering rendering = estimator::target::Render(
       lit ? studio.scene : dark, studio.geometry, studio.rays, placement.X_WC, placement.X_WT,
       {.samples_per_side = studio.samples_per_side});
-  for (int i = 0; i < static_cast<int>(studio.shading.total()); ++i)
-    rendering.radiance(i) *= studio.shading(i);
+  Shade(studio, rendering.radiance);
+  return rendering;
+}
+
+bool IsHandheld(const Studio& studio) {
+  return studio.prop && std::holds_alternative<HandheldBoard>(*studio.prop);
+}
+
+estimator::target::Rendering RenderView(const Studio& studio, const View& view) {
+  const double angle_deg =
+      view.angle_deg + AngleNoiseDeg(studio.places, studio.seed, view.angle_deg);
+  const calib::RigPoses poses = calib::PosesAt(studio.rig, angle_deg);
+  if (!studio.prop) return RenderPlacement(studio, poses, view.lit);
+  if (std::holds_alternative<LampOff>(*studio.prop)) return RenderPlacement(studio, poses, false);
+  estimator::target::Rendering rendering;
+  rendering.radiance = RenderProp(studio, poses, angle_deg, view.picture);
+  Shade(studio, rendering.radiance);
   return rendering;
 }
 

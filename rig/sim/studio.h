@@ -2,7 +2,9 @@
 // noise, encoded, clipped. The generator of sessions and the mock camera photograph through it.
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "base/random.h"
 #include "base/result.h"
@@ -13,7 +15,9 @@
 #include "estimator/model/scene.h"
 #include "estimator/target/geometry.h"
 #include "estimator/target/renderer.h"
+#include "rig/sim/prop.h"
 #include "rig/sim/synthetic_config.h"
+#include "rig/sim/true_geometry.h"
 
 namespace turnlight::rig::sim {
 
@@ -26,6 +30,10 @@ struct Studio {
   estimator::model::Scene scene;  // the truth
   calib::Radiometry radiometry;   // reference_gain_db is 0; no reference_exposure_us
   int samples_per_side = 5;
+  calib::RigGeometry rig;    // true of it, but for the angle noise
+  TrueGeometry places;       // that it was made of
+  std::uint64_t seed = 1;    // of the angle noise
+  std::optional<Prop> prop;  // stands there instead of the target
 };
 
 // Fails (kInput): what Validate refuses, lights that cannot be placed as far apart as asked. The
@@ -41,6 +49,20 @@ calib::RigPoses PlaceAt(const Motion& motion, double angle_deg);
 // Noise-free, behind the lens. lit = false leaves the ambient term alone.
 estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit = true);
+
+// One picture of what stands there.
+struct View {
+  double angle_deg = 0.0;  // the table's
+  bool lit = true;
+  std::uint64_t picture = 0;  // a number, of boards held by hand; 0 of all else
+
+  bool operator==(const View&) const = default;
+};
+// Whether each picture shows another pose.
+bool IsHandheld(const Studio& studio);
+// Noise-free, behind the lens: the prop if there is one, else the target, where they really are.
+// Empty coverage with a prop.
+estimator::target::Rendering RenderView(const Studio& studio, const View& view);
 
 // Standard deviation of the noise of one value of linear radiance. The sensor's variance is
 // (noise_relative G)^2 + noise_shot^2 G s for a signal s (share of white) at a gain factor G.

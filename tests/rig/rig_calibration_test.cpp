@@ -59,6 +59,10 @@ RigCalibration Example() {
   known.angle_scale = Covariance(1);
   known.angle_offset = Covariance(1);
   known.radiometry = Covariance(2);
+  Eigen::MatrixXd joint = Covariance(7);
+  known.X_WC = joint.topLeftCorner(6, 6);
+  known.angle_scale = joint.bottomRightCorner(1, 1);
+  known.joint = JointCovariance{{"X_WC", "angle_scale"}, std::move(joint)};
   return calibration;
 }
 
@@ -86,6 +90,11 @@ std::string Bits(const RigCalibration& calibration) {
                              known.angle_scale, known.angle_offset, known.radiometry}) {
     bits += matrix ? "covariance" : "none";
     for (Eigen::Index i = 0; matrix && i < matrix->size(); ++i) add(matrix->data()[i]);
+  }
+  if (known.joint) {
+    for (const std::string& part : known.joint->of) bits += part;
+    for (Eigen::Index i = 0; i < known.joint->matrix.size(); ++i)
+      add(known.joint->matrix.data()[i]);
   }
   const CalibratedDevices& devices = calibration.devices;
   for (const DeviceIdentity& device : {devices.camera, devices.table})
@@ -141,6 +150,7 @@ TEST_F(RigCalibrationTest, WhatIsOptionalMayBeMissing) {
   for (const char* part :
        {"camera_model", "X_WC", "X_WA", "X_AT", "angle_scale", "angle_offset", "radiometry"})
     root[part].erase("covariance");
+  root.erase("joint_covariance");
   for (const char* key :
        {"saturation", "reference_exposure_us", "reference_gain_db", "white_balance", "noise"})
     root["radiometry"].erase(key);
@@ -155,6 +165,38 @@ TEST_F(RigCalibrationTest, WhatIsOptionalMayBeMissing) {
   EXPECT_EQ(read->noise.read_noise_dn, SensorNoise{}.read_noise_dn);
 }
 
+TEST_F(RigCalibrationTest, TheTargetMayHaveNoPlaceYet) {
+  RigCalibration calibration = Example();
+  EXPECT_TRUE(CheckTargetPlaced(calibration));
+  calibration.target_placed = false;
+  calibration.covariances.X_AT.reset();
+  ASSERT_TRUE(WriteRigCalibration(calibration, path_));
+  EXPECT_FALSE(json::parse(*ReadFile(path_)).contains("X_AT"));
+  const auto read = ReadRigCalibration(path_);
+  ASSERT_TRUE(read) << read.error().text;
+  EXPECT_FALSE(read->target_placed);
+  EXPECT_EQ(CheckTargetPlaced(*read).error().text,
+            path_ +
+                ": X_AT: this key is missing, as the target's place on the table is not "
+                "calibrated yet; turnlight calibrate target finds it");
+}
+
+TEST_F(RigCalibrationTest, AJointCovarianceRepeatsThoseOfItsParts) {
+  const std::string key = "/joint_covariance";
+  EXPECT_THAT(Refusal(key + "/of", json::array({"X_WC", "lens"})),
+              AllOf(StartsWith("joint_covariance/of"), HasSubstr("X_WC, X_WA, X_AT")));
+  EXPECT_THAT(Refusal(key + "/of", json::array({"X_WC", "X_WC"})), HasSubstr("each once"));
+  EXPECT_THAT(Refusal(key + "/of", json::array({"X_WC"})), HasSubstr("two or more"));
+  EXPECT_THAT(Refusal(key + "/of", "X_WC"), HasSubstr("a list"));
+  EXPECT_THAT(Refusal(key + "/of", nullptr), StartsWith("joint_covariance/of: "));
+  EXPECT_THAT(Refusal(key + "/of", json::array({"X_WC", "X_WA"})), HasSubstr("12 rows of 12"));
+  EXPECT_EQ(Refusal("/angle_scale/covariance/0/0", 0.5),
+            "joint_covariance/matrix: its block of angle_scale is not angle_scale/covariance, "
+            "allowed is the same");
+  EXPECT_THAT(Refusal(key + "/matrix/0/6", 1e3), HasSubstr("symmetric"));
+  EXPECT_THAT(Refusal(key + "/units", "mm"), HasSubstr("unknown key"));
+}
+
 TEST_F(RigCalibrationTest, EveryKeyThatIsNotOptionalMustBeThere) {
   for (const std::string key : {"/format",
                                 "/version",
@@ -166,7 +208,6 @@ TEST_F(RigCalibrationTest, EveryKeyThatIsNotOptionalMustBeThere) {
                                 "/X_WC/value",
                                 "/X_WC/unit",
                                 "/X_WA",
-                                "/X_AT",
                                 "/angle_scale",
                                 "/angle_scale/value",
                                 "/angle_scale/unit",

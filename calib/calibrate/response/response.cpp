@@ -30,7 +30,7 @@ class Reader {
   Reader(const ResponseList& list, const ResponseProgress& progress)
       : list_(list), progress_(progress) {
     total_ = list.series.size() + (list.dark.images.empty() ? 0 : 1) +
-             (list.flat.images.empty() ? 0 : 1) + (list.grey_card ? 1 : 0);
+             (list.flat.images.empty() && !list.series_is_flat ? 0 : 1) + (list.grey_card ? 1 : 0);
   }
 
   Result<std::vector<cv::Mat>> Read(const std::vector<std::filesystem::path>& files) {
@@ -96,6 +96,23 @@ struct Measured {
   std::vector<Group> series, dark, flat;
 };
 
+// Of a series of an even surface the brightest exposure that is not clipped anywhere.
+Status MeasureBrightest(const ResponseList& list, Reader& reader, double black, const Response& out,
+                        Measured& measured) {
+  const double saturation = out.saturation.value_or(HUGE_VAL);
+  for (std::size_t i = list.series.size(); i-- > 0;) {
+    const auto& blocks = measured.series[i].blocks;
+    if (std::any_of(blocks.begin(), blocks.end(),
+                    [&](const Block& block) { return block.high >= saturation; }))
+      continue;
+    auto group = reader.Measure(list.series[i], black, kFlatGrid);
+    if (!group) return Forward(group);
+    measured.flat.push_back(std::move(*group));
+    return {};
+  }
+  return {};
+}
+
 Result<Measured> MeasureAll(const ResponseList& list, Reader& reader, Response& out) {
   Measured measured;
   if (!list.dark.images.empty()) {
@@ -116,6 +133,10 @@ Result<Measured> MeasureAll(const ResponseList& list, Reader& reader, Response& 
     if (!group) return Forward(group);
     measured.flat.push_back(std::move(*group));
   }
+  out.saturation = FindSaturation(measured.series, black);
+  if (measured.flat.empty() && list.series_is_flat)
+    if (const Status status = MeasureBrightest(list, reader, black, out, measured); !status)
+      return Forward(status);
   const auto planes = PlanesOf(reader.first(), list.bayer);
   for (std::size_t i = 0; i < planes.size(); ++i) out.planes.push_back(PlaneName(planes, i));
   out.size = reader.first().size();
@@ -196,7 +217,6 @@ Result<Response> CalibrateResponse(const ResponseList& list, const ResponseProgr
     return InputError(list.source + ": " + result.error().text);
   };
   const double white = list.white.value_or(FullScale(reader.first(), reader.largest()));
-  out.saturation = FindSaturation(measured->series, out.dark ? out.dark->dn : 0.0);
   const double saturation = out.saturation.value_or(white);
   auto curve = FitResponseCurve(measured->series, out.dark, white, saturation);
   if (!curve) return fail(curve);

@@ -21,7 +21,7 @@ constexpr double kLeastGamma = 0.1, kMostGamma = 10.0;
 constexpr int kPieces = 16;           // of a curve
 constexpr double kSmoothness = 0.15;  // by how much the logarithms of neighbouring rises differ
 constexpr double kFlooredSigma = 0.3, kUnknownBlackSigma = 1e4;  // DN
-constexpr double kStuck = 0.05;      // d log(DN) / d log(t) of what is clipped
+constexpr double kStuck = 0.05;                       // d log(DN) / d log(t) of what is clipped
 constexpr double kLeastStep = 1.05, kMostStep = 8.0;  // between two exposures
 constexpr double kCollapsed = 0.1;                    // of the spread in the exposure before
 constexpr std::size_t kFewestSamples = 6;

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "rig/session/raw_capture.h"
 
 namespace turnlight::calib::calibrate::response {
 
@@ -39,11 +40,20 @@ struct ResponseList {
   double gain_db = 0.0;
   std::vector<ListedGroup> series;  // by exposure
   ListedGroup dark, flat;
+  // Without flat frames: the series shows an evenly lit surface, and its brightest exposure that is
+  // not clipped will do.
+  bool series_is_flat = false;
   std::optional<GreyCard> grey_card;
 };
 
 // path: the file, or a folder with response.yaml or response.json. Fails (kInput) with file, key,
 // value and what is allowed.
 Result<ResponseList> ReadResponseList(const std::filesystem::path& path);
+
+// That of a raw capture: frames of kind "flat" at several exposures are the series of an evenly lit
+// surface, "dark" and "grey" what they say. card: where the grey card is. Fails (kInput) with what
+// the capture lacks, or if gains or pictures differ.
+Result<ResponseList> ListOfCapture(const rig::RawCapture& capture,
+                                   const std::optional<cv::Rect>& card);
 
 }  // namespace turnlight::calib::calibrate::response

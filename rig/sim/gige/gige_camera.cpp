@@ -219,7 +219,9 @@ void GigeCamera::PlugIn(DeviceTime now) {
 // An angle that the table rests at whatever the time: a homing that never ends has none.
 void GigeCamera::RenderAhead(DeviceTime now) {
   const double resting_deg = table_->TrueAngleDeg(now + hours(1));
-  if (ahead_deg_ == resting_deg || resting_deg != table_->TrueAngleDeg(now + hours(2))) return;
+  if (IsHandheld(*studio_) || ahead_deg_ == resting_deg ||
+      resting_deg != table_->TrueAngleDeg(now + hours(2)))
+    return;
   const std::lock_guard lock(mutex_);
   ahead_deg_ = wanted_deg_ = resting_deg;
   wake_.notify_all();

@@ -1,6 +1,6 @@
-// Proves: planes are the places of a mosaic's cells or a picture's channels; a block's noise is that
-// of one picture, whatever its pixels differ by, its hot pixels show and the lamp did between the two
-// pictures. Does not prove that real noise is normal.
+// Proves: planes are the places of a mosaic's cells or a picture's channels; a block's noise is
+// that of one picture, whatever its pixels differ by, its hot pixels show and the lamp did between
+// the two pictures. Does not prove that real noise is normal.
 #include "calib/calibrate/response/blocks.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ TEST(Planes, OfAMosaic) {
   const cv::Mat mosaic = (cv::Mat_<std::uint16_t>(3, 4) << 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12);
   const auto planes = PlanesOf(mosaic, "GRBG");
   ASSERT_EQ(planes.size(), 4u);
-  EXPECT_EQ(cv::countNonZero(planes[0].values != (cv::Mat_<std::uint16_t>(2, 2) << 1, 3, 9, 11)), 0);
+  EXPECT_EQ(cv::countNonZero(planes[0].values != (cv::Mat_<std::uint16_t>(2, 2) << 1, 3, 9, 11)),
+            0);
   EXPECT_EQ(cv::countNonZero(planes[3].values != (cv::Mat_<std::uint16_t>(1, 2) << 6, 8)), 0);
   EXPECT_EQ(planes[1].channel, 0);
   EXPECT_EQ(planes[2].channel, 2);
@@ -52,9 +53,8 @@ TEST(Blocks, HotPixelsAndFlickerAreNoNoise) {
   sensor.hot = 0.002;
   sensor.prnu = 0.02;
   const cv::Mat1d scene = Ramp({160, 120}, 0.2, 0.6);
-  const Group group =
-      MeasureGroup({Expose(sensor, scene, 1.0, 1), Expose(sensor, scene, 1.03, 2)}, std::nullopt,
-                   1000.0, sensor.black, {8, 6});
+  const Group group = MeasureGroup({Expose(sensor, scene, 1.0, 1), Expose(sensor, scene, 1.03, 2)},
+                                   std::nullopt, 1000.0, sensor.black, {8, 6});
   EXPECT_NEAR(group.flicker, 0.03, 2e-3);
   const double expected = std::pow(sensor.Gain(), 2) * (4000.0 + 25.0) + kRoundingVariance;
   EXPECT_NEAR(MeanVariance(group), expected, 0.06 * expected);

@@ -15,8 +15,7 @@ TEST(LeastSquares, AStraightLine) {
     for (int i = 0; i < 4; ++i) out[i] = (p[0] + p[1] * i - (i == 3 ? 7.0 : 1.0 + 2.0 * i)) / 0.5;
     return out;
   };
-  const LeastSquares fit =
-      Minimise(residuals, Eigen::VectorXd::Zero(2), Eigen::VectorXd::Ones(2));
+  const LeastSquares fit = Minimise(residuals, Eigen::VectorXd::Zero(2), Eigen::VectorXd::Ones(2));
   EXPECT_NEAR(fit.parameters[0], 1.0, 1e-6);
   EXPECT_NEAR(fit.parameters[1], 2.0, 1e-6);
   // Of x = 0..3: variance of the slope is s^2 / 5, of the intercept s^2 (1/4 + 1.5^2 / 5).

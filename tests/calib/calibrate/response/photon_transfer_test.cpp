@@ -1,6 +1,6 @@
 // Proves: gain and read noise of simulated sensors are found within their sigmas, through an
-// encoding too, with hot pixels and flicker; what is clipped or too quiet does not count. The sigmas
-// themselves the study checks (response_study).
+// encoding too, with hot pixels and flicker; what is clipped or too quiet does not count. The
+// sigmas themselves the study checks (response_study).
 #include "calib/calibrate/response/photon_transfer.h"
 
 #include <gmock/gmock.h>
@@ -59,8 +59,7 @@ TEST(PhotonTransfer, WithoutPairsOrNoiseItIsRefused) {
   sensor.full_well = 1e6;
   radiometry.black = 5.0;
   radiometry.white = 255.0;
-  const auto quiet =
-      FitPhotonTransfer(TakeSeries(sensor, 1).series, {}, radiometry, 0.1, 255.0);
+  const auto quiet = FitPhotonTransfer(TakeSeries(sensor, 1).series, {}, radiometry, 0.1, 255.0);
   ASSERT_FALSE(quiet);
   EXPECT_THAT(quiet.error().text, HasSubstr("rounded away"));
 }

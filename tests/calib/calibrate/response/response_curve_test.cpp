@@ -61,8 +61,7 @@ TEST(ResponseCurve, Srgb) {
 // Mildly bent, with a knee, and as logarithmic cameras are.
 TEST(ResponseCurve, OtherCurves) {
   const std::function<double(double)> encodings[] = {
-      [](double x) { return x + 0.04 * x * (1.0 - x); },
-      [](double x) { return x - 0.03 * x * x; },
+      [](double x) { return x + 0.04 * x * (1.0 - x); }, [](double x) { return x - 0.03 * x * x; },
       [](double x) { return x < 0.7 ? x : x - 0.6 * (x - 0.7) * (x - 0.7); },
       [](double x) { return std::log1p(50.0 * x) / std::log1p(50.0); }};
   for (const auto& encoding : encodings) {

@@ -44,8 +44,7 @@ TEST_F(ResponseListTest, Everything) {
   ASSERT_TRUE(list) << list.error().text;
   ASSERT_EQ(list->series.size(), 3u);
   EXPECT_EQ(list->series[0].exposure_us, 500.0);
-  EXPECT_EQ(list->series[0].images,
-            (std::vector<fs::path>{folder_ / "a.png", folder_ / "a2.png"}));
+  EXPECT_EQ(list->series[0].images, (std::vector<fs::path>{folder_ / "a.png", folder_ / "a2.png"}));
   EXPECT_EQ(list->dark.images.size(), 2u);
   EXPECT_EQ(list->flat.images.size(), 1u);
   EXPECT_EQ(list->bayer, "RGGB");

@@ -29,7 +29,9 @@ cv::Mat1d Mosaic(double level) {
   for (int row = 0; row < scene.rows; ++row)
     for (int column = 0; column < scene.cols; ++column) {
       const double r = std::hypot(column - 95.5, row - 71.5) / 120.0;
-      const double colour = row % 2 == 0 && column % 2 == 0 ? 0.6 : row % 2 && column % 2 ? 0.5 : 1.0;
+      const double colour = row % 2 == 0 && column % 2 == 0 ? 0.6
+                            : row % 2 && column % 2         ? 0.5
+                                                            : 1.0;
       scene(row, column) = level * colour * (1.0 - 0.25 * r * r);
     }
   return scene;
@@ -123,7 +125,8 @@ TEST_F(ResponseTest, IntoARigsCalibrationAndBack) {
   // The fragment is what the calibration's file has.
   const auto fragment = nlohmann::json::parse(PrintResponse(*found))["radiometry"];
   const auto written = nlohmann::json::parse(*ReadFile(file))["radiometry"];
-  for (const char* key : {"encoding", "black", "white", "vignetting", "noise", "covariance", "unit"})
+  for (const char* key :
+       {"encoding", "black", "white", "vignetting", "noise", "covariance", "unit"})
     EXPECT_EQ(fragment[key], written[key]) << key;
   calibration.devices.resolution = {640, 480};
   const Status other = ApplyResponse(*found, calibration);
@@ -157,7 +160,8 @@ TEST_F(ResponseTest, PicturesThatDoNotFitAreRefused) {
 }
 
 TEST_F(ResponseTest, ItCanBeStopped) {
-  const auto stopped = CalibrateResponse(list_, [](std::size_t done, std::size_t) { return done < 2; });
+  const auto stopped =
+      CalibrateResponse(list_, [](std::size_t done, std::size_t) { return done < 2; });
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::kInterrupted);
 }

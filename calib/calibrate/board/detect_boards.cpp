@@ -1,0 +1,61 @@
+#include "calib/calibrate/board/detect_boards.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "base/format.h"
+#include "base/parallel.h"
+#include "calib/calibrate/board/board_print.h"
+#include "calib/calibrate/board/detect_chessboards.h"
+#include "calib/calibrate/board/picture_levels.h"
+
+namespace turnlight::calib::calibrate::board {
+namespace {
+
+constexpr double kBlurred = 2.0;     // pixels, of an edge's sigma: it is 5 pixels wide from 10 to 90 %
+constexpr double kSaturated = 0.25;  // of the bright squares
+
+void Remark(DetectedBoard& found, const Board& board) {
+  const std::size_t points = found.view.points.size();
+  if (points < board.PointCount())
+    found.remarks.push_back(Format("%zu of %zu points seen", points, board.PointCount()));
+  if (found.edge_sigma > kBlurred)
+    found.remarks.push_back(Format("blurred: edges are %.1f pixels wide from 10 to 90 %%",
+                                   2.563 * found.edge_sigma));
+  if (found.saturated > kSaturated)
+    found.remarks.push_back(
+        Format("overexposed: %.0f %% of its bright squares are at the sensor's limit, which moves edges",
+               100.0 * found.saturated));
+}
+
+}  // namespace
+
+Result<Detection> DetectBoards(const cv::Mat& picture, const Board& board) {
+  if (const Status status = CheckBoard(board); !status) return Forward(status);
+  if (const Status status = CheckPicture(picture); !status) return Forward(status);
+  const cv::Mat levelled = Levelled(picture);
+  Detection detection = DetectChessboards(picture, levelled, board);
+  for (DetectedBoard& found : detection.boards) Remark(found, board);
+  if (detection.boards.empty()) {
+    const auto levels = RemarksOnLevels(picture);
+    detection.remarks.insert(detection.remarks.end(), levels.begin(), levels.end());
+    if (detection.remarks.empty()) detection.remarks.push_back("no board found");
+  }
+  return detection;
+}
+
+std::vector<Result<Detection>> DetectInPictures(
+    std::size_t count, const std::function<Result<cv::Mat>(std::size_t)>& picture,
+    const Board& board, const std::function<void(std::size_t)>& done) {
+  std::vector<std::optional<Result<Detection>>> found(count);
+  ParallelFor(count, [&](std::size_t i) {
+    const Result<cv::Mat> loaded = picture(i);
+    found[i] = loaded ? DetectBoards(*loaded, board) : Result<Detection>(Forward(loaded));
+    if (done) done(i);
+  });
+  std::vector<Result<Detection>> detections;
+  for (auto& detection : found) detections.push_back(std::move(*detection));
+  return detections;
+}
+
+}  // namespace turnlight::calib::calibrate::board
