@@ -16,6 +16,8 @@ constexpr double kLeastFall = 2e-3;    // of the corner's share: less is not wor
 constexpr double kSignificance = 3.0;  // sigmas
 constexpr double kMostOffset = 0.2;    // of the picture's size, for a centre that is believed
 constexpr double kDustSigmas = 4.0;    // dust
+constexpr double kClearSigmas = 3.0;   // sigmas below what is clipped
+constexpr double kMostClipped = 0.01;  // of a card's pixels: broken ones
 constexpr double kLeastLight = 0.02;   // of white
 
 struct FlatSample {
@@ -103,7 +105,10 @@ std::vector<FlatSample> CollectFlat(const std::vector<Group>& flat, const Radiom
     for (const Block& block : group.blocks) {
       planes = std::max(planes, block.plane + 1);
       const double s = (block.mean - radiometry.black) / range;
-      if (block.high >= saturation || block.low <= 0.0 || s < kLeastLight) continue;
+      const double clear = kClearSigmas * std::sqrt(block.spread);
+      if (std::max(block.high, block.mean + clear) >= saturation || block.low <= 0.0 ||
+          s < kLeastLight)
+        continue;
       const double noise =
           std::sqrt(block.spread / (block.pixels * static_cast<double>(group.pictures)));
       const double light = transfer.Decode(s);
@@ -154,6 +159,29 @@ void FillMaps(const std::vector<FlatSample>& samples, const std::vector<double>&
   out.rms = std::sqrt(squares / std::max(count, 1.0));
 }
 
+// The light of the card's pixels in a plane; clipped ones are counted.
+void CollectCard(const Plane& plane, const cv::Rect& card, const Radiometry& radiometry,
+                 double saturation, std::vector<double>& lights, std::size_t& clipped,
+                 std::size_t& all) {
+  const Transfer transfer(radiometry);
+  const double range = radiometry.white - radiometry.black;
+  cv::Mat1d values;
+  plane.values.convertTo(values, CV_64F);
+  for (int row = 0; row < values.rows; ++row)
+    for (int column = 0; column < values.cols; ++column) {
+      const double x = plane.PixelX(column), y = plane.PixelY(row);
+      if (!card.contains(cv::Point(static_cast<int>(x), static_cast<int>(y)))) continue;
+      ++all;
+      const double dn = values(row, column);
+      if (dn >= saturation) {
+        ++clipped;
+        continue;
+      }
+      const double share = radiometry.vignetting ? radiometry.vignetting->ShareAt(x, y) : 1.0;
+      lights.push_back(transfer.Decode((dn - radiometry.black) / range) / share);
+    }
+}
+
 }  // namespace
 
 Result<FlatField> FitVignetting(const std::vector<Group>& flat, const Radiometry& radiometry,
@@ -193,45 +221,32 @@ Result<FlatField> FitVignetting(const std::vector<Group>& flat, const Radiometry
 Result<WhiteBalance> FindWhiteBalance(const std::vector<cv::Mat>& pictures,
                                       const std::optional<std::string>& bayer, const cv::Rect& card,
                                       const Radiometry& radiometry, double saturation) {
-  const Transfer transfer(radiometry);
-  const double range = radiometry.white - radiometry.black;
-  std::array<double, 3> sum{}, squares{}, count{};
+  std::array<std::vector<double>, 3> lights;
+  std::size_t clipped = 0, all = 0;
   for (const cv::Mat& picture : pictures)
-    for (const Plane& plane : PlanesOf(picture, bayer)) {
-      const auto channel = static_cast<std::size_t>(plane.channel);
-      for (int row = 0; row < plane.values.rows; ++row)
-        for (int column = 0; column < plane.values.cols; ++column) {
-          const double x = plane.PixelX(column), y = plane.PixelY(row);
-          if (!card.contains(cv::Point(static_cast<int>(x), static_cast<int>(y)))) continue;
-          const double dn = plane.values.depth() == CV_8U
-                                ? plane.values.at<std::uint8_t>(row, column)
-                                : plane.values.at<std::uint16_t>(row, column);
-          if (dn >= saturation)
-            return InputError(
-                Format("grey_card: a pixel of the card at (%.0f, %.0f) is clipped, "
-                       "allowed is a card that is darker than %.6g DN everywhere",
-                       x, y, saturation));
-          const double share = radiometry.vignetting ? radiometry.vignetting->ShareAt(x, y) : 1.0;
-          const double light = transfer.Decode((dn - radiometry.black) / range) / share;
-          sum[channel] += light;
-          squares[channel] += light * light;
-          ++count[channel];
-        }
-    }
+    for (const Plane& plane : PlanesOf(picture, bayer))
+      CollectCard(plane, card, radiometry, saturation,
+                  lights[static_cast<std::size_t>(plane.channel)], clipped, all);
+  if (static_cast<double>(clipped) > kMostClipped * static_cast<double>(all))
+    return InputError(
+        Format("grey_card: %zu of the card's %zu values are clipped, allowed is a card "
+               "that is darker than %.6g DN everywhere",
+               clipped, all, saturation));
   WhiteBalance out;
-  std::array<double, 3> mean{}, relative{};
+  std::array<Moments, 3> light;
   for (std::size_t c = 0; c < 3; ++c) {
-    mean[c] = count[c] > 0.0 ? sum[c] / count[c] : 0.0;
-    if (!(mean[c] > 0.0))
-      return InputError(
-          "grey_card: the card has no light in one of red, green and blue; allowed is "
-          "a colour picture, or a mosaic with its bayer pattern, of a lit card");
-    const double variance = std::max(squares[c] / count[c] - mean[c] * mean[c], 0.0);
-    relative[c] = std::sqrt(variance / count[c]) / mean[c];
+    light[c] = RobustMoments(lights[c]);
+    if (light[c].mean > 0.0) continue;
+    return InputError(
+        "grey_card: the card has no light in one of red, green and blue; allowed is "
+        "a colour picture, or a mosaic with its bayer pattern, of a lit card");
   }
+  const auto relative = [&](std::size_t c) {
+    return std::sqrt(light[c].variance / light[c].count) / light[c].mean;
+  };
   for (std::size_t c = 0; c < 3; ++c) {
-    out.balance[c] = mean[c] / mean[1];
-    out.sigma[c] = c == 1 ? 0.0 : out.balance[c] * std::hypot(relative[c], relative[1]);
+    out.balance[c] = light[c].mean / light[1].mean;
+    out.sigma[c] = c == 1 ? 0.0 : out.balance[c] * std::hypot(relative(c), relative(1));
   }
   return out;
 }

@@ -13,6 +13,7 @@ using plot::Tick;
 
 constexpr int kChartLeft = 100, kChartWidth = 820, kChartHeight = 520, kBelowChart = 66;
 constexpr double kPointRadius = 2.6;
+constexpr double kDarkest = 1e-3;  // of the brightest
 
 const cv::Vec3b kGreyInk(70, 70, 70), kRedInk(196, 62, 52), kGreenInk(56, 140, 72),
     kBlueInk(52, 98, 190), kPaleInk(190, 190, 190);
@@ -94,13 +95,15 @@ cv::Mat3b DrawPhotonTransfer(const PhotonTransfer& transfer,
   Chart chart("Photon transfer: the noise of one picture over the light");
   double low = HUGE_VAL, high = 0.0, least = HUGE_VAL, most = 0.0;
   for (const TransferPoint& point : transfer.points) {
-    if (!(point.signal > 0.0 && point.variance > 0.0)) continue;
-    low = std::min(low, point.signal);
     high = std::max(high, point.signal);
+  }
+  for (const TransferPoint& point : transfer.points) {
+    // Dark frames have no place on a logarithmic axis.
+    if (!(point.signal > kDarkest * high && point.variance > 0.0)) continue;
+    low = std::min(low, point.signal);
     least = std::min(least, point.variance);
     most = std::max(most, point.variance);
   }
-  low = std::max(low, 1e-4 * high);  // dark frames have hardly any light
   const plot::LogAxis x = plot::LogAxisAround(low, high), y = plot::LogAxisAround(least, most);
   chart.DrawAxes(Mirrored(plot::LogTicks(x)), plot::LogTicks(y), "light, linear DN above black",
                  "variance, DN^2");
@@ -188,11 +191,11 @@ cv::Mat3b DrawFlatField(const FlatField& flat, const cv::Size& size) {
                         colour, ticks);
   };
   bar(left, plot::SequentialColour,
-      {{0.0, plot::FormatFixed(1.0, 2)},
+      {{1.0, plot::FormatFixed(1.0, 2)},
        {0.5, plot::FormatFixed(0.5 * (1.0 + low), 3)},
-       {1.0, plot::FormatFixed(low, 2)}});
+       {0.0, plot::FormatFixed(low, 2)}});
   bar(right, [](double t) { return plot::DivergingColour(2.0 * t - 1.0); },
-      {{0.0, plot::FormatNumber(worst)}, {0.5, "0"}, {1.0, plot::FormatNumber(-worst)}});
+      {{1.0, plot::FormatNumber(worst)}, {0.5, "0"}, {0.0, plot::FormatNumber(-worst)}});
   plot::DrawText(page,
                  "darkest corner " + plot::FormatFixed(flat.corner_share, 3) + ", centre at (" +
                      plot::FormatFixed(flat.vignetting.center_x, 0) + ", " +
