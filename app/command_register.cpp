@@ -128,8 +128,8 @@ Result<calib::Radiometry> RadiometryOf(const RegisterArguments& arguments, int d
                                               : depth == CV_16U ? 65535.0
                                                                 : 1.0);
   if (!(radiometry.white > radiometry.black))
-    return InputError(Format("--white: %g, allowed is above --black, %g", radiometry.white,
-                             radiometry.black));
+    return InputError(
+        Format("--white: %g, allowed is above --black, %g", radiometry.white, radiometry.black));
   if (arguments.encoding == "srgb") radiometry.encoding = calib::Encoding::kSrgb;
   if (arguments.encoding == "linear" || arguments.encoding == "srgb") return radiometry;
   char* end = nullptr;
@@ -182,8 +182,9 @@ Result<HandheldSession> SessionOf(const RegisterArguments& arguments, const Seen
     if (views[i].keyframe)
       session.keyframes.push_back({seen.files[i], seen.X_WB * views[i].pose->X_CB.Inverse()});
   if (session.keyframes.empty())
-    return InputError("no picture could be registered, so that there is no session; the reasons "
-                      "are above");
+    return InputError(
+        "no picture could be registered, so that there is no session; the reasons "
+        "are above");
   const auto first = rig::ReadImage(session.keyframes.front().picture);
   if (!first) return Forward(first);
   auto radiometry = RadiometryOf(arguments, first->depth());
@@ -205,8 +206,9 @@ Result<Seen> See(const RegisterArguments& arguments, HandheldSession& session) {
     return SeeBoards(arguments, session.camera);
   }
   if (!arguments.pictures.empty() || !arguments.board.size.empty())
-    return InputError("--corners: it names the pictures and the target; allowed is either it or "
-                      "pictures with --board");
+    return InputError(
+        "--corners: it names the pictures and the target; allowed is either it or "
+        "pictures with --board");
   const auto text = ReadFile(arguments.corners);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, arguments.corners);
@@ -227,8 +229,8 @@ Result<HandheldSession> Register(const RegisterArguments& arguments) {
   auto seen = See(arguments, session);
   if (!seen) return Forward(seen);
   seen->options.step_deg = arguments.step_deg;
-  const auto views = handheld::RegisterViews(
-      session.camera, seen->views, seen->X_WB.Inverse() * session.X_WT, seen->options);
+  const auto views = handheld::RegisterViews(session.camera, seen->views,
+                                             seen->X_WB.Inverse() * session.X_WT, seen->options);
   PrintViews(views);
   const auto found = std::count_if(views.begin(), views.end(),
                                    [](const auto& view) { return view.pose.has_value(); });
@@ -284,7 +286,8 @@ void AddPictureOptions(CLI::App& command, RegisterArguments& arguments) {
 void AddRegister(CLI::App& program, Action& action) {
   CLI::App* command = AddCommand(
       program, "register",
-      "Make a session of pictures from a camera that was carried round the target: the pose of each from a "
+      "Make a session of pictures from a camera that was carried round the target: the pose of "
+      "each from a "
       "board in view, or from the four corners of a flat target; a keyframe for each 10 degrees of "
       "view change. Lengths are in mm",
       "turnlight register walk/*.png --camera lens --board 10x10 --square-mm 10 --sphere 25 --at "
@@ -298,7 +301,8 @@ void AddRegister(CLI::App& program, Action& action) {
       ->type_name("DIR|FILE")
       ->required();
   AddBoardOptions(*command, arguments->board);
-  for (const char* option : {"--board", "--square-mm"}) command->get_option(option)->required(false);
+  for (const char* option : {"--board", "--square-mm"})
+    command->get_option(option)->required(false);
   command
       ->add_option("--corners", arguments->corners,
                    "Instead of a board: picked corners of a flat target (YAML: size: [W, H], "
