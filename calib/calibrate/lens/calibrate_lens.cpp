@@ -9,6 +9,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "base/statistics.h"
+#include "calib/calibrate/lens/board_shape.h"
 #include "calib/calibrate/lens/covariance.h"
 #include "calib/calibrate/lens/fit_views.h"
 #include "calib/calibrate/lens/problem.h"
@@ -19,6 +20,10 @@ namespace {
 constexpr std::size_t kLeastPoints = 6;
 constexpr double kMaxUncertainty = 0.05;  // of the picture's diagonal: then there is no calibration
 constexpr double kLargeUncertaintyPx = 1.0;
+// The place of each point is fitted where that leaves less than this share of the residuals, and
+// they are no noise of the corners. A board that is flat but for its bend leaves all of them.
+constexpr double kShapeGain = 0.7;
+constexpr double kShapePx = 0.1;
 constexpr double kBadFitPx = 2.0;       // rms per axis: more than any corner that was found is off
 constexpr double kSmallTiltDeg = 15.0;  // between two boards: less tells little of the focal length
 
@@ -207,6 +212,36 @@ double UncertaintyWherePointsAre(const LensCalibration& calibration) {
   return sigmas.empty() ? std::numeric_limits<double>::infinity() : Median(sigmas);
 }
 
+// Fits the place of each of the board's points if the residuals ask for it: then they repeat from
+// view to view. Gives what they were before.
+std::optional<double> FitShapeIfNeeded(const LensOptions& options, ViewsFit& fit) {
+  const double before = NoiseOf(fit.problem, Linearize(fit.problem, fit.pass)).rms_px;
+  if (!options.fits_shape || before < kShapePx) return std::nullopt;
+  Problem shaped = fit.problem;
+  if (!FitShape(shaped, fit.pass)) return std::nullopt;
+  const Linearization linear = Linearize(shaped, fit.pass);
+  const double after = NoiseOf(shaped, linear).rms_px;
+  const double left = static_cast<double>(linear.observation_rows - linear.jacobian.cols());
+  if (!(left > 0.0)) return std::nullopt;
+  const double unbiased = after * std::sqrt(static_cast<double>(linear.observation_rows) / left);
+  if (unbiased > kShapeGain * before) return std::nullopt;
+  fit.problem = std::move(shaped);
+  return before;
+}
+
+void AddShape(const Problem& problem, double rms_before, LensCalibration& result) {
+  double largest = 0.0;
+  for (const int cell : problem.grid.cells) {
+    result.shape.push_back(problem.shape[static_cast<std::size_t>(cell)]);
+    largest = std::max(largest, result.shape.back().norm());
+  }
+  result.notes.push_back(Format(
+      "The board is not flat: its points are up to %.2g %% of a square off a smooth bend, and "
+      "with that alone the rms was %.2g px. The place of each point was fitted as well. Glue "
+      "the board to glass or aluminium.",
+      100.0 * largest / problem.grid.spacing, rms_before));
+}
+
 // What a fit this bad says, or nothing.
 std::string MisfitAdvice(double rms_px, const std::string& lens_model) {
   if (rms_px < kBadFitPx) return "";
@@ -263,9 +298,10 @@ Result<LensCalibration> CalibrateLens(const board::Board& board,
   if (const Status status = CheckSizes(pictures); !status) return Forward(status);
   Chosen chosen = ChooseViews(board, pictures);
   if (const Status status = CheckEnough(chosen, pictures, options); !status) return Forward(status);
-  const auto fit =
+  auto fit =
       FitViews({pictures.front().width, pictures.front().height}, board, chosen.views, options);
   if (!fit) return Forward(fit);
+  const auto rms_before_shape = FitShapeIfNeeded(options, *fit);
   auto camera = ToCameraModel(fit->problem, options.lens_model);
   if (!camera) return Forward(camera);
   if (options.progress) options.progress("uncertainty");
@@ -282,6 +318,7 @@ Result<LensCalibration> CalibrateLens(const board::Board& board,
     return NoEstimateError("the views do not determine the lens: the equations are singular. " +
                            MisfitAdvice(noise.rms_px, options.lens_model) +
                            TiltAdvice(LargestTiltBetween(result.views), result.views.size()));
+  if (rms_before_shape) AddShape(fit->problem, *rms_before_shape, result);
   result.warp_fitted = fit->pass.warp;
   result.warp = {fit->problem.warp.x2, fit->problem.warp.y2};
   result.rms_px = noise.rms_px;

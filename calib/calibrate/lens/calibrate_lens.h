@@ -3,8 +3,9 @@
 // All pictures are of one camera whose lens did not change; each board in a picture has a pose of
 // its own. The seed comes from homographies, then mrcal fits in turn the poses, the focal length
 // and centre of a simple lens, and everything with the lens model that was asked for: first with a
-// flat board, then with a bent one. mrcal marks points that lie too far off as outliers; views that
-// do not fit as a whole are dropped.
+// flat board, then with a bent one. Where a board is neither, and views enough show it, the place
+// of each of its points is fitted as well (board_shape.h). mrcal marks points that lie too far off
+// as outliers; views that do not fit as a whole are dropped.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,6 +34,7 @@ struct PictureViews {
 struct LensOptions {
   std::string lens_model = "LENSMODEL_OPENCV8";  // as FullLensModelName gives it
   bool fits_warp = true;
+  bool fits_shape = true;  // the place of each point, where that explains far more than the bend
   bool rejects_outliers = true;
   std::function<void(const std::string& stage)> progress;  // may be empty
 };
@@ -71,6 +73,8 @@ struct LensCalibration {
   // along z of its frame, in its length unit (mrcal's calobject_warp); 0 if it was not fitted.
   Eigen::Vector2d warp = Eigen::Vector2d::Zero();
   bool warp_fitted = false;
+  // How far each of the board's points is from there, in its frame; empty if it was not fitted.
+  std::vector<Eigen::Vector3d> shape;
   double rms_px = 0.0;    // per axis, weighted, outliers left out
   double noise_px = 0.0;  // what the uncertainty assumes: standard deviation of the same residuals
   std::size_t parameters = 0;  // that were fitted

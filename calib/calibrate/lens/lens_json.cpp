@@ -135,6 +135,12 @@ std::string IntrinsicsJson(const board::Board& board, const std::vector<PictureV
                         {"along_rows", calibration.warp.x()},
                         {"along_columns", calibration.warp.y()},
                         {"unit", length_unit}};
+  json["board_shape"] = nullptr;
+  if (!calibration.shape.empty()) {
+    json["board_shape"] = Json::array();
+    for (const Eigen::Vector3d& offset : calibration.shape)
+      json["board_shape"].push_back({offset.x(), offset.y(), offset.z()});
+  }
   json["intrinsics"] = {
       {"value", camera.intrinsics()},
       {"covariance", small ? MatrixRows(covariance.topLeftCorner(count, count)) : Json(nullptr)}};

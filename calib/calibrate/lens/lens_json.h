@@ -7,6 +7,7 @@
 //    "intrinsics": {"value": [...], "covariance": [[...]]},
 //    "projection_covariance": [[...]],
 //    "board_warp": {"fitted": true, "along_rows": 0.01, "along_columns": -0.02, "unit": "mm"},
+//    "board_shape": null or [[x, y, z] of each point],
 //    "rms_px": 0.2, "noise_px": 0.2, "points": 1000, "outliers": 3, "parameters": 134,
 //    "images": {"used": [{"image": "a.png", "board": 0, "rms_px": 0.2, "points": 54, "outliers": 0,
 //                         "doubtful": false, "X_CB": [[3 rows of 4]]}],
@@ -19,6 +20,7 @@
 //    "cross_validation": {"rms_px": 0.03, "largest_px": 0.1, "expected_px": 0.04},
 //    "verdict": "...", "advice": ["..."], "notes": ["..."]}
 //
+// board_shape is how far each of the board's points is off its bend, where that was fitted.
 // rms_px is per axis, weighted, without outliers; noise_px, their standard deviation, is the noise
 // of corners that all covariances assume. projection_covariance has six more rows than that of the
 // intrinsics: the mean motion of the boards in C, rotation vector and shift

@@ -15,6 +15,8 @@ namespace {
 // tags' spacing, a few hundredths of a pixel at most, and no finer than kMaxSteps a spacing.
 constexpr double kGridTolerance = 5e-4;
 constexpr int kMaxSteps = 32;
+// How much stiffer a shape is where it must not be than where it may.
+constexpr double kForbidden = 1e3;
 
 constexpr mrcal_problem_constants_t kConstants{.point_min_range = 0.0, .point_max_range = 0.0};
 
@@ -161,8 +163,125 @@ bool Optimize(Problem& problem, const Pass& pass) {
   return std::isfinite(problem.warp.x2) && std::isfinite(problem.warp.y2);
 }
 
+namespace {
+
+// p_B of the grid's points, bent by the warp.
+std::vector<Eigen::Vector3d> BentPoints(const PointGrid& grid, const mrcal_calobject_warp_t& warp) {
+  const auto bend = [](int i, int count) {
+    const double x = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
+    return 4.0 * x * (1.0 - x);
+  };
+  std::vector<Eigen::Vector3d> points;
+  for (int row = 0; row < grid.rows; ++row)
+    for (int column = 0; column < grid.columns; ++column)
+      points.emplace_back(grid.spacing * column, grid.spacing * row,
+                          warp.x2 * bend(column, grid.columns) + warp.y2 * bend(row, grid.rows));
+  return points;
+}
+
+std::vector<mrcal_point2_t> ProjectView(const Problem& problem, std::size_t view, bool shaped,
+                                        std::vector<mrcal_point3_t>* by_point) {
+  const Pose X_CB = ToPose(problem.poses[view]);
+  auto p_B = BentPoints(problem.grid, problem.warp);
+  std::vector<mrcal_point3_t> p_C(p_B.size());
+  for (std::size_t i = 0; i < p_B.size(); ++i) {
+    if (shaped) p_B[i] += problem.shape[i];
+    const Eigen::Vector3d p = X_CB * p_B[i];
+    p_C[i] = {{p.x(), p.y(), p.z()}};
+  }
+  std::vector<mrcal_point2_t> pixels(p_B.size());
+  if (by_point != nullptr) by_point->resize(2 * p_B.size());
+  // One by one: of several points mrcal 2.2 gives the derivatives of the first alone, if those by
+  // the intrinsics are not asked for.
+  for (std::size_t i = 0; i < p_C.size(); ++i)
+    mrcal_project(&pixels[i], by_point != nullptr ? &(*by_point)[2 * i] : nullptr, nullptr, &p_C[i],
+                  1, &problem.model, problem.intrinsics.data());
+  return pixels;
+}
+
+// What a board without its shape would have shown: so mrcal's residuals are those with the shape.
+std::vector<mrcal_point3_t> WithoutShape(const Problem& problem) {
+  std::vector<mrcal_point3_t> observed = problem.observed;
+  for (std::size_t view = 0; view < problem.poses.size(); ++view) {
+    const auto plain = ProjectView(problem, view, false, nullptr);
+    const auto shaped = ProjectView(problem, view, true, nullptr);
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      observed[view * plain.size() + i].x -= shaped[i].x - plain[i].x;
+      observed[view * plain.size() + i].y -= shaped[i].y - plain[i].y;
+    }
+  }
+  return observed;
+}
+
+// What a shape must not be: a shift, a turn or a change of size of the whole board, which its
+// poses, or nothing, can tell from it. Seven directions in the space of shapes, of length 1.
+Eigen::MatrixXd NoShapes(const PointGrid& grid) {
+  const auto p_B = BentPoints(grid, {});
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : p_B) mean += p / static_cast<double>(p_B.size());
+  Eigen::MatrixXd directions(7, 3 * static_cast<Eigen::Index>(p_B.size()));
+  for (std::size_t i = 0; i < p_B.size(); ++i) {
+    const Eigen::Vector3d p = p_B[i] - mean;
+    auto at = directions.middleCols<3>(3 * static_cast<Eigen::Index>(i));
+    for (int axis = 0; axis < 3; ++axis) {
+      at.row(axis) = Eigen::Vector3d::Unit(axis).transpose();
+      at.row(3 + axis) = Eigen::Vector3d::Unit(axis).cross(p).transpose();
+    }
+    at.row(6) = p.transpose();
+  }
+  directions.rowwise().normalize();
+  return directions;
+}
+
+// The rows of mrcal's jacobian with three more columns a point, and what keeps the shape small.
+void AppendShape(const Problem& problem, Linearization& linear) {
+  const Eigen::Index rows = linear.jacobian.rows(), states = linear.jacobian.cols();
+  const auto shape = static_cast<Eigen::Index>(3 * problem.shape.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index row = 0; row < rows; ++row)
+    for (decltype(linear.jacobian)::InnerIterator it(linear.jacobian, row); it; ++it)
+      entries.emplace_back(row, it.col(), it.value());
+  std::vector<mrcal_point3_t> by_point;
+  for (std::size_t view = 0; view < problem.poses.size(); ++view) {
+    const Eigen::Matrix3d rotation = ToPose(problem.poses[view]).rotation;
+    ProjectView(problem, view, true, &by_point);
+    for (std::size_t i = 0; i < problem.shape.size(); ++i) {
+      const std::size_t measured = view * problem.shape.size() + i;
+      const double weight = problem.observed[measured].z;
+      if (weight < 0.0) continue;
+      for (std::size_t k = 0; k < 2; ++k) {
+        const mrcal_point3_t& d = by_point[2 * i + k];
+        const Eigen::Vector3d by_shape =
+            weight * (rotation.transpose() * Eigen::Vector3d(d.x, d.y, d.z));
+        for (Eigen::Index c = 0; c < 3; ++c)
+          entries.emplace_back(static_cast<Eigen::Index>(2 * measured + k),
+                               states + 3 * static_cast<Eigen::Index>(i) + c, by_shape[c]);
+      }
+    }
+  }
+  const double hold = 1.0 / problem.grid.spacing;
+  for (Eigen::Index i = 0; i < shape; ++i) entries.emplace_back(rows + i, states + i, hold);
+  const Eigen::MatrixXd forbidden = kForbidden * hold * NoShapes(problem.grid);
+  for (Eigen::Index k = 0; k < 7; ++k)
+    for (Eigen::Index i = 0; i < shape; ++i)
+      entries.emplace_back(rows + shape + k, states + i, forbidden(k, i));
+  linear.jacobian.resize(rows + shape + 7, states + shape);
+  linear.jacobian.setFromTriplets(entries.begin(), entries.end());
+  linear.residuals.conservativeResize(rows + shape + 7);
+  linear.scales.conservativeResize(states + shape);
+  linear.scales.tail(shape).setOnes();
+  for (std::size_t i = 0; i < problem.shape.size(); ++i)
+    linear.residuals.segment<3>(rows + 3 * static_cast<Eigen::Index>(i)) = hold * problem.shape[i];
+  linear.residuals.tail<7>() = forbidden * (linear.residuals.segment(rows, shape) / hold);
+  linear.shape_index = static_cast<int>(states);
+}
+
+}  // namespace
+
 Linearization Linearize(const Problem& problem, const Pass& pass) {
   const auto observations = BoardObservations(problem.poses.size());
+  const std::vector<mrcal_point3_t> observed =
+      problem.shape.empty() ? problem.observed : WithoutShape(problem);
   const mrcal_problem_selections_t selections = Selections(pass);
   const int views = static_cast<int>(problem.poses.size());
   const int columns = problem.grid.columns, rows = problem.grid.rows;
@@ -195,8 +314,8 @@ Linearization Linearize(const Problem& problem, const Pass& pass) {
                            result.residuals.data(), measurements * static_cast<int>(sizeof(double)),
                            &transposed, problem.intrinsics.data(), nullptr, problem.poses.data(),
                            nullptr, &problem.warp, 1, 0, views, 0, 0, observations.data(), nullptr,
-                           views, 0, problem.observed.data(), model, problem.image_size.data(),
-                           selections, &kConstants, problem.grid.spacing, columns, rows, false);
+                           views, 0, observed.data(), model, problem.image_size.data(), selections,
+                           &kConstants, problem.grid.spacing, columns, rows, false);
   result.jacobian = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
       measurements, states, starts.back(), starts.data(), indices.data(), values.data());
   result.observation_rows = mrcal_num_measurements_boards(views, columns, rows);
@@ -207,37 +326,16 @@ Linearization Linearize(const Problem& problem, const Pass& pass) {
   result.intrinsics_count = mrcal_num_states_intrinsics(1, selections, model);
   result.poses_index = mrcal_state_index_frames(0, 1, 0, views, 0, 0, views, selections, model);
   result.warp_index = mrcal_state_index_calobject_warp(1, 0, views, 0, 0, views, selections, model);
+  if (!problem.shape.empty()) AppendShape(problem, result);
   return result;
 }
 
-std::vector<Eigen::Vector3d> BentPoints(const PointGrid& grid, const mrcal_calobject_warp_t& warp) {
-  const auto bend = [](int i, int count) {
-    const double x = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
-    return 4.0 * x * (1.0 - x);
-  };
-  std::vector<Eigen::Vector3d> points;
-  for (int row = 0; row < grid.rows; ++row)
-    for (int column = 0; column < grid.columns; ++column)
-      points.emplace_back(grid.spacing * column, grid.spacing * row,
-                          warp.x2 * bend(column, grid.columns) + warp.y2 * bend(row, grid.rows));
-  return points;
-}
-
 std::vector<Eigen::Vector2d> Residuals(const Problem& problem, std::size_t view) {
-  const Pose X_CB = ToPose(problem.poses[view]);
-  const auto p_B = BentPoints(problem.grid, problem.warp);
-  std::vector<mrcal_point3_t> p_C(p_B.size());
-  for (std::size_t i = 0; i < p_B.size(); ++i) {
-    const Eigen::Vector3d p = X_CB * p_B[i];
-    p_C[i] = {{p.x(), p.y(), p.z()}};
-  }
-  std::vector<mrcal_point2_t> pixels(p_B.size());
-  mrcal_project(pixels.data(), nullptr, nullptr, p_C.data(), static_cast<int>(p_C.size()),
-                &problem.model, problem.intrinsics.data());
+  const auto pixels = ProjectView(problem, view, !problem.shape.empty(), nullptr);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Eigen::Vector2d> residuals(p_B.size(), Eigen::Vector2d(kNan, kNan));
-  for (std::size_t i = 0; i < p_B.size(); ++i) {
-    const mrcal_point3_t& observed = problem.observed[view * p_B.size() + i];
+  std::vector<Eigen::Vector2d> residuals(pixels.size(), Eigen::Vector2d(kNan, kNan));
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const mrcal_point3_t& observed = problem.observed[view * pixels.size() + i];
     // What was never seen is at (0, 0) with a weight of -1; an outlier keeps its pixel.
     if (observed.x == 0.0 && observed.y == 0.0 && observed.z < 0.0) continue;
     residuals[i] = {observed.x - pixels[i].x, observed.y - pixels[i].y};

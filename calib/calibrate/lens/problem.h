@@ -33,8 +33,11 @@ struct Problem {
   std::array<int, 2> image_size{};
   PointGrid grid;
   std::vector<double> intrinsics;
-  std::vector<mrcal_pose_t> poses;       // X_CB of each view, as rotation vector and shift
-  mrcal_calobject_warp_t warp{};         // 0: flat
+  std::vector<mrcal_pose_t> poses;  // X_CB of each view, as rotation vector and shift
+  mrcal_calobject_warp_t warp{};    // 0: flat
+  // How far each of the grid's points is from where the grid and its bend have it, in B; empty: not
+  // at all. mrcal does not know of it.
+  std::vector<Eigen::Vector3d> shape;
   std::vector<mrcal_point3_t> observed;  // grid's points of each view: pixel, weight; -1: not used
 
   std::size_t points_per_view() const {
@@ -57,18 +60,19 @@ struct Pass {
 // Moves the problem to its optimum. False if mrcal gives up or a number is not finite.
 bool Optimize(Problem& problem, const Pass& pass);
 
-// At the problem's own values: residuals and their derivatives, in mrcal's packed state.
+// At the problem's own values: residuals and their derivatives, in mrcal's packed state. With a
+// shape its three numbers a point come after mrcal's state, and what keeps it small (a pixel for
+// each of the grid's spacings) after mrcal's measurements.
 struct Linearization {
   Eigen::SparseMatrix<double, Eigen::RowMajor> jacobian;  // measurements x packed state
   Eigen::VectorXd residuals;                              // weighted, pixels; 0 where not used
   Eigen::Index observation_rows = 0;                      // these come first, then what regularizes
   Eigen::VectorXd scales;                                 // state = scales * packed state
   int intrinsics_index = -1, intrinsics_count = 0, poses_index = -1, warp_index = -1;
+  int shape_index = -1;  // -1: none
 };
 Linearization Linearize(const Problem& problem, const Pass& pass);
 
-// p_B of the grid's points, bent by the warp.
-std::vector<Eigen::Vector3d> BentPoints(const PointGrid& grid, const mrcal_calobject_warp_t& warp);
 // Observed less projected pixels of a view's points; NaN where there is no observation.
 std::vector<Eigen::Vector2d> Residuals(const Problem& problem, std::size_t view);
 

@@ -1,5 +1,6 @@
 #include "calib/calibrate/lens/projection_uncertainty.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -61,6 +61,7 @@ TEST(CalibrateLens, FindsTheLensAndTheBend) {
   EXPECT_NEAR(calibration.warp.y(), -0.1, 0.03);
   EXPECT_EQ(calibration.views.size(), 20u);
   EXPECT_TRUE(calibration.dropped.empty());
+  EXPECT_TRUE(calibration.shape.empty());
   EXPECT_LT(MissInSigmas(calibration, ExampleLens()), 2.0);
 }
 
@@ -136,6 +137,24 @@ TEST(CalibrateLens, DropsAViewThatDoesNotFit) {
   ASSERT_EQ(calibration.dropped.size(), 1u);
   EXPECT_EQ(calibration.dropped[0].picture, 3u);
   EXPECT_THAT(calibration.dropped[0].reason, HasSubstr("does not fit: its points lie"));
+}
+
+TEST(CalibrateLens, FitsTheShapeOfABoardThatIsNotFlat) {
+  SimulatedViews how;
+  how.wave = 1.0;
+  const auto pictures = SimulateViews(ExampleLens(), ExampleBoard(), how);
+  const auto calibration = Calibrated(ExampleBoard(), pictures);
+  EXPECT_NEAR(calibration.rms_px, 0.3, 0.03);
+  EXPECT_EQ(calibration.shape.size(), 100u);
+  ASSERT_FALSE(calibration.notes.empty());
+  EXPECT_THAT(calibration.notes[0], HasSubstr("The board is not flat"));
+  EXPECT_LT(MissInSigmas(calibration, ExampleLens()), 2.5);
+  LensOptions flat;
+  flat.fits_warp = flat.fits_shape = false;
+  const auto biased = CalibrateLens(ExampleBoard(), pictures, flat);
+  ASSERT_TRUE(biased) << biased.error().text;
+  EXPECT_GT(biased->rms_px, 1.0);
+  EXPECT_TRUE(biased->shape.empty());
 }
 
 TEST(CalibrateLens, AMirroredChessboardIsAChessboard) {

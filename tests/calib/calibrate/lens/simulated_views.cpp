@@ -57,7 +57,9 @@ std::vector<PictureViews> SimulateViews(const CameraModel& camera, const board::
   if (board.kind != board::BoardKind::kAprilTagGrid)
     for (std::size_t i = 0; i < p_B.size(); ++i)
       p_B[i].z() = how.warp.x() * Bend(static_cast<int>(i) % board.columns, board.columns) +
-                   how.warp.y() * Bend(static_cast<int>(i) / board.columns, board.rows);
+                   how.warp.y() * Bend(static_cast<int>(i) / board.columns, board.rows) +
+                   how.wave * std::sin(9.0 * p_B[i].x() / (board.spacing * board.columns) +
+                                       0.2 * p_B[i].y() / board.spacing);
   std::vector<PictureViews> pictures;
   for (int k = 0; k < how.pictures; ++k) {
     const Pose X_CB = RandomPose(camera, board, how, static_cast<std::uint64_t>(k));

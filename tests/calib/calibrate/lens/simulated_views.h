@@ -16,6 +16,7 @@ struct SimulatedViews {
   double tilt_deg = 35.0;    // largest, about the board's x and y
   double width_share = 0.5;  // of the picture's width that the board takes, about
   Eigen::Vector2d warp{0.0, 0.0};
+  double wave = 0.0;  // height of a wave of paper across the board, length unit
   std::uint64_t pose_seed = 1, noise_seed = 1;
 };
 
