@@ -9,6 +9,7 @@
 namespace turnlight::app {
 
 // One line for each part.
+void AddCalibrateAxis(CLI::App& calibrate, Action& action);
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 

@@ -41,7 +41,8 @@ ByGeometry PointByGeometry(const calib::TurntableGeometry& geometry, double angl
   ByGeometry by;
   by.X_WC << R_CW * Cross(from_camera), -R_CW;
   by.X_WA << -R_CW * Cross(turned_A), R_CW;
-  by.angle_offset = R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
+  by.angle_offset =
+      R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
   by.angle_scale = by.angle_offset * angle_deg;
   return by;
 }
@@ -107,10 +108,8 @@ MatrixXd CalibrationShare(const Problem& problem, const Fit& fit, const MatrixXd
     if (!fit.used[i]) continue;
     const Residual& residual = fit.residuals[i];
     const double angle_deg = problem.views[residual.view].angle_deg;
-    const Row row =
-        ParameterRow(residual, fit.state, PoseOfTableInCamera(geometry, angle_deg));
-    const VectorXd gain =
-        -inverse * row.transpose() / (noise * residual.sigma * residual.sigma);
+    const Row row = ParameterRow(residual, fit.state, PoseOfTableInCamera(geometry, angle_deg));
+    const VectorXd gain = -inverse * row.transpose() / (noise * residual.sigma * residual.sigma);
     gains.col(static_cast<Eigen::Index>(i)) = gain;
     const ByGeometry by = PointByGeometry(geometry, angle_deg, residual.p_A);
     sums.X_WC += gain * (residual.by_p_C * by.X_WC);

@@ -29,8 +29,7 @@ Assessed Assess(const std::vector<PictureViews>& pictures,
                 std::optional<double> distance = std::nullopt) {
   auto calibration = CalibrateLens(ExampleBoard(), pictures, {});
   if (!calibration) ADD_FAILURE() << calibration.error().text;
-  LensAssessment assessment =
-      AssessLens(ExampleBoard(), pictures, *calibration, {}, distance);
+  LensAssessment assessment = AssessLens(ExampleBoard(), pictures, *calibration, {}, distance);
   return {std::move(*calibration), std::move(assessment)};
 }
 
@@ -98,8 +97,8 @@ TEST(LensJson, HoldsEverything) {
   auto pictures = SimulateViews(ExampleLens(), ExampleBoard(), {});
   pictures[5].boards.clear();
   const auto result = Assess(pictures, 500.0);
-  const auto json = nlohmann::json::parse(
-      IntrinsicsJson(ExampleBoard(), pictures, result.calibration, result.assessment, "model", "mm"));
+  const auto json = nlohmann::json::parse(IntrinsicsJson(
+      ExampleBoard(), pictures, result.calibration, result.assessment, "model", "mm"));
   EXPECT_EQ(json.at("format"), "turnlight-intrinsics");
   EXPECT_EQ(json.at("intrinsics").at("value").get<std::vector<double>>(),
             result.calibration.camera().intrinsics());
@@ -123,9 +122,9 @@ TEST(ReportPictures, AreThere) {
     names.push_back(picture.name);
     EXPECT_GT(picture.page.cols, 300);
   }
-  EXPECT_THAT(names, testing::ElementsAre("residuals.png", "views.png", "histogram.png",
-                                          "coverage.png", "uncertainty.png",
-                                          "uncertainty_at_distance.png", "halves.png"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("residuals.png", "views.png", "histogram.png", "coverage.png",
+                                   "uncertainty.png", "uncertainty_at_distance.png", "halves.png"));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
-// Proves: a lens comes back from simulated corners within its uncertainty, for each lens model, wide
-// lenses, half-hidden boards, several boards in a picture and grids of tags; wrong points and wrong
-// views are found; what does not determine a lens is refused with words that help.
-// Does not prove: that corners are found in pictures.
+// Proves: a lens comes back from simulated corners within its uncertainty, for each lens model,
+// wide lenses, half-hidden boards, several boards in a picture and grids of tags; wrong points and
+// wrong views are found; what does not determine a lens is refused with words that help. Does not
+// prove: that corners are found in pictures.
 #include "calib/calibrate/lens/calibrate_lens.h"
 
 #include <gmock/gmock.h>
@@ -38,8 +38,8 @@ std::string Refusal(const board::Board& board, const std::vector<PictureViews>& 
 double MissInSigmas(const LensCalibration& calibration, const CameraModel& truth) {
   const ImageGrid grid = GridOverImage(truth.width(), truth.height(), 20);
   const auto covered = CoveredPixels(calibration, grid.pixels);
-  const auto difference = ProjectionDifference(
-      calibration.camera(), truth, grid.pixels, std::vector<double>(covered.begin(), covered.end()));
+  const auto difference = ProjectionDifference(calibration.camera(), truth, grid.pixels,
+                                               std::vector<double>(covered.begin(), covered.end()));
   if (!difference) ADD_FAILURE() << difference.error().text;
   const auto covariance = calibration.uncertainty.At(grid.pixels);
   double sum = 0.0, count = 0.0;
@@ -85,12 +85,13 @@ TEST(CalibrateLens, FindsWideAndLongLensesWithoutAHint) {
       "{'lensmodel': 'LENSMODEL_STEREOGRAPHIC', 'extrinsics': [0,0,0,0,0,0], "
       "'imagersize': [2000, 1400], 'intrinsics': [450, 450, 1010, 690]}",
       "test");
-  const auto wide = Calibrated(ExampleBoard(), SimulateViews(fisheye, ExampleBoard(), how),
-                               "STEREOGRAPHIC");
+  const auto wide =
+      Calibrated(ExampleBoard(), SimulateViews(fisheye, ExampleBoard(), how), "STEREOGRAPHIC");
   EXPECT_LT(MissInSigmas(wide, fisheye), 2.5);
   how.width_share = 0.5;
   const auto tele = CameraModel::Pinhole(2000, 1400, 12000.0, 12000.0, 1000.0, 700.0);
-  const auto narrow = Calibrated(ExampleBoard(), SimulateViews(tele, ExampleBoard(), how), "OPENCV4");
+  const auto narrow =
+      Calibrated(ExampleBoard(), SimulateViews(tele, ExampleBoard(), how), "OPENCV4");
   EXPECT_LT(MissInSigmas(narrow, tele), 2.5);
 }
 
@@ -145,8 +146,9 @@ TEST(CalibrateLens, AMirroredChessboardIsAChessboard) {
   EXPECT_NEAR(Calibrated(ExampleBoard(), pictures).rms_px, 0.3, 0.02);
   board::Board charuco = ExampleBoard();
   charuco.kind = board::BoardKind::kCharuco;
-  EXPECT_THAT(Refusal(charuco, pictures),
-              HasSubstr("the board is mirrored: it was printed mirrored, or the picture is flipped"));
+  EXPECT_THAT(
+      Refusal(charuco, pictures),
+      HasSubstr("the board is mirrored: it was printed mirrored, or the picture is flipped"));
 }
 
 TEST(CalibrateLens, NamesPicturesThatAreOfAnotherSize) {

@@ -55,11 +55,10 @@ void CompareWithMrcal(const std::string& lens_model) {
   ASSERT_TRUE(WriteFileAtomic(path / "corners.vnl", CornersFile(pictures, 100)));
   ASSERT_TRUE(WriteFileAtomic(path / "ours.cameramodel", ours->camera().ToString()));
   ASSERT_TRUE(WriteFileAtomic(path / "uncertainty.txt", UncertaintyFile(*ours)));
-  const std::string command =
-      "/usr/bin/python3 " TURNLIGHT_SOURCE_DIR
-      "/tests/calib/calibrate/lens/compare_with_mrcal.py " +
-      path.string() + " " + lens_model + " 1800 20 10 10 2000 1400 > " +
-      (path / "out.txt").string();
+  const std::string command = "/usr/bin/python3 " TURNLIGHT_SOURCE_DIR
+                              "/tests/calib/calibrate/lens/compare_with_mrcal.py " +
+                              path.string() + " " + lens_model + " 1800 20 10 10 2000 1400 > " +
+                              (path / "out.txt").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::istringstream lines(*ReadFile(path / "out.txt"));
   std::map<std::string, double> values;
