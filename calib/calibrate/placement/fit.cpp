@@ -365,7 +365,10 @@ FitCovariance CovarianceOf(const Problem& problem, const Fit& fit) {
   for (const auto& matrix : by_shift) from_shifts += variance * matrix * matrix.transpose();
   FitCovariance covariance;
   covariance.from_outlines = inverse + inverse * from_shifts * inverse;
-  covariance.from_calibration = CalibrationShare(problem, fit, inverse);
+  const CalibrationShare share = ShareOfCalibration(problem, fit, inverse);
+  covariance.with_calibration = share.transfer * share.covariance;
+  covariance.from_calibration = covariance.with_calibration * share.transfer.transpose();
+  covariance.calibration = {share.of, share.covariance};
   covariance.wobble = std::sqrt(variance);
   covariance.views = ViewFits(fit, shifts);
   return covariance;

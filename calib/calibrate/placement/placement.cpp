@@ -242,6 +242,8 @@ Placement Describe(const Task& task, const Problem& problem, const Fit& fit) {
   placement.from_calibration = covariance.from_calibration.topLeftCorner<6, 6>();
   placement.covariance = placement.from_outlines + placement.from_calibration;
   const Eigen::MatrixXd total = covariance.from_outlines + covariance.from_calibration;
+  placement.calibration = covariance.calibration;
+  placement.with_calibration = covariance.with_calibration.topRows(6);
   placement.radius = fit.state.radius;
   placement.radius_sigma = std::sqrt(total(kRadius, kRadius));
   placement.edge_offset = fit.state.edge_offset;
@@ -257,6 +259,26 @@ Placement Describe(const Task& task, const Problem& problem, const Fit& fit) {
 }
 
 }  // namespace
+
+rig::RigCalibration WithTarget(const rig::RigCalibration& calibration, const Placement& placement) {
+  rig::RigCalibration with = calibration;
+  with.geometry.X_AT = placement.X_AT;
+  with.target_placed = true;
+  // Symmetric to the last bit, as sums of products are not.
+  const Eigen::MatrixXd own = 0.5 * (placement.covariance + placement.covariance.transpose());
+  with.covariances.X_AT = own;
+  with.covariances.joint.reset();
+  const rig::JointCovariance& parts = placement.calibration;
+  if (parts.of.empty()) return with;
+  rig::JointCovariance joint{parts.of, {}};
+  joint.of.push_back("X_AT");
+  const Eigen::Index size = parts.matrix.rows();
+  joint.matrix.resize(size + 6, size + 6);
+  joint.matrix << parts.matrix, placement.with_calibration.transpose(), placement.with_calibration,
+      own;
+  with.covariances.joint = std::move(joint);
+  return with;
+}
 
 Result<Placement> PlaceTarget(const rig::RigCalibration& calibration,
                               const calib::TargetShape& shape, const std::vector<View>& views,
