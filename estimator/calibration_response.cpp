@@ -31,8 +31,8 @@ struct Fit {
 // The sample with the calibration moved, and which of its pixels still lie on the surface.
 struct Side {
   MovedCalibration moved;
-  observe::Observations pixels;
   std::vector<std::uint8_t> seen;
+  observe::Observations pixels;
 
   Side(const Fit& fit, MovedCalibration calibration)
       : moved(std::move(calibration)),
