@@ -12,6 +12,7 @@ namespace turnlight::app {
 void AddCalibrateAxis(CLI::App& calibrate, Action& action);
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
+void AddCalibrateRig(CLI::App& calibrate, Action& action);
 void AddCalibrateTarget(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

@@ -10,6 +10,7 @@ void AddCalibrate(CLI::App& program, Action& action) {
   AddCalibrateAxis(*calibrate, action);
   AddCalibrateCapture(*calibrate, action);
   AddCalibrateResponse(*calibrate, action);
+  AddCalibrateRig(*calibrate, action);
   AddCalibrateTarget(*calibrate, action);
 }
 

@@ -61,8 +61,8 @@ Result<ResponseRecipe> ReadResponse(StrictObject object) {
   if (count < 3 || count > kMostExposures)
     object.Refuse("exposures_us", "a list of 3 to 64 exposures");
   else
-    response.exposures_us = object.OptionalNumbers("exposures_us", count, kExposure)
-                                .value_or(std::vector<double>());
+    response.exposures_us =
+        object.OptionalNumbers("exposures_us", count, kExposure).value_or(std::vector<double>());
   response.pairs =
       static_cast<int>(object.OptionalInteger("pairs", 1, 100).value_or(response.pairs));
   response.grey_card = object.OptionalBoolean("grey_card").value_or(false);
@@ -71,7 +71,8 @@ Result<ResponseRecipe> ReadResponse(StrictObject object) {
 }
 
 Status ReadTurning(StrictObject object, TurningRecipe& turning, double* height) {
-  turning.count = static_cast<int>(object.OptionalInteger("count", 3, 1000).value_or(turning.count));
+  turning.count =
+      static_cast<int>(object.OptionalInteger("count", 3, 1000).value_or(turning.count));
   turning.step_deg =
       object.OptionalNumber("step_deg", {.max = 360.0, .above = 0.0}).value_or(turning.step_deg);
   turning.exposure_us =
@@ -97,8 +98,7 @@ Status ReadCalibrate(StrictObject object, RigRecipe& recipe) {
   const std::string lens = object.OptionalString("lens_model").value_or("OPENCV8");
   recipe.lens_note = object.OptionalString("lens_note").value_or("");
   if (Status status = object.Finish(); !status) return status;
-  const auto model =
-      calib::calibrate::lens::FullLensModelName(lens, object.Where("lens_model"));
+  const auto model = calib::calibrate::lens::FullLensModelName(lens, object.Where("lens_model"));
   if (!model) return Forward(model);
   recipe.lens_model = *model;
   auto read = rig::sim::ReadBoard(board);
@@ -172,7 +172,8 @@ Result<RigRecipe> ReadRigRecipe(const fs::path& path) {
   recipe.folder = path.parent_path();
   recipe.length_unit = rig.OptionalString("length_unit").value_or("mm");
   if (rig.Has("calibration"))
-    return InputError(rig.Where("calibration") + ": it is what this command finds; allowed is a "
+    return InputError(rig.Where("calibration") +
+                      ": it is what this command finds; allowed is a "
                       "config without it");
   const StrictObject target = rig.Object("target");
   if (!rig.ok()) return Forward(rig.Finish());
@@ -206,6 +207,8 @@ Result<std::string> RunTextWith(const RigRecipe& recipe, const fs::path& calibra
     const fs::path path = fs::absolute(recipe.folder / target["path"].get<std::string>());
     nlohmann::json absolute = target;
     absolute["path"] = path.lexically_normal().string();
+    for (const auto& [pointer, at] : document.lines)
+      if (pointer.starts_with("/rig/target/")) lines[static_cast<std::size_t>(at) - 1].clear();
     lines[static_cast<std::size_t>(mesh->second) - 1] = indent + "target: " + absolute.dump();
   }
   lines.insert(lines.begin() + table->second - 1,

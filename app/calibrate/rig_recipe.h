@@ -10,7 +10,8 @@
 //     intrinsics: {pictures: 25, exposure_us: 8000}
 //     axis: {count: 12, step_deg: 30, board_height: 2, exposure_us: 8000}
 //     target: {count: 12, step_deg: 30, exposure_us: 8000}
-//   simulator:                                      # optional: the rig is simulated by this program
+//   simulator:                                      # optional: the rig is simulated by this
+//   program
 //     config: sim_calibrate.yaml                    # app/simulator.h
 //     noise_seed: 1                                 # optional
 //     props: {flat: {...}, dark: {...}, grey: {...}, handheld: {...}, board: {...}, empty: {...}}
@@ -43,20 +44,20 @@ struct TurningRecipe {
   double exposure_us = 8000.0;
 };
 struct RigRecipe {
-  std::string text;               // of the file, as read
-  std::string run_text;           // without the two sections
-  std::filesystem::path folder;   // what the files that it names are relative to
+  std::string text;              // of the file, as read
+  std::string run_text;          // without the two sections
+  std::filesystem::path folder;  // what the files that it names are relative to
   std::string length_unit = "mm";
   calib::calibrate::board::Board board;
   std::string lens_model = "LENSMODEL_OPENCV8";
   std::string lens_note;
   std::optional<ResponseRecipe> response;
-  int pictures = 25;                   // of the board held by hand
+  int pictures = 25;  // of the board held by hand
   double intrinsics_exposure_us = 8000.0;
   TurningRecipe axis, target;
-  double board_height = 0.0;           // length unit; of the print above the table
-  DeviceConfig devices;                // of run_text
-  calib::TargetShape shape;            // rig/target
+  double board_height = 0.0;  // length unit; of the print above the table
+  DeviceConfig devices;       // of run_text
+  calib::TargetShape shape;   // rig/target
   std::optional<SimulatorConfig> simulator;
   std::map<std::string, rig::sim::Prop> props;
 };
