@@ -5,8 +5,9 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
-#include "app/calibrate/board_option.h"
+#include "app/calibrate/board_options.h"
 #include "app/calibrate/camera_option.h"
+#include "app/calibrate/picture_files.h"
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
@@ -17,6 +18,7 @@
 #include "base/file.h"
 #include "base/format.h"
 #include "calib/calibrate/axis/board_pose.h"
+#include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/board/detect_boards.h"
 #include "calib/calibrate/handheld/corners_file.h"
 #include "calib/calibrate/handheld/registration.h"
@@ -37,7 +39,7 @@ constexpr double kWorstFoundRmsPx = 1.0, kWorstPickedRmsPx = 4.0;
 struct RegisterArguments {
   std::vector<std::string> pictures;
   std::string camera, corners, out, name = "registered";
-  BoardArguments board;
+  board::BoardWords board;
   double step_deg = 10.0, turn_deg = 0.0;
   std::vector<double> plane, at{0.0, 0.0, 0.0};
   double sphere = 0.0;
@@ -55,14 +57,16 @@ struct Seen {
   handheld::RegistrationOptions options;
 };
 
+// Of the lens's size.
 Result<cv::Mat> ReadGrey(const fs::path& file, const calib::CameraModel& camera) {
-  auto image = rig::ReadImage(file, {camera.width(), camera.height()});
-  if (!image) return Forward(image);
-  if (image->depth() == CV_32F)
-    return InputError(file.string() + ": a picture of floats, allowed are 8 and 16 bits");
-  cv::Mat grey = *image;
-  if (image->channels() == 3) cv::extractChannel(*image, grey, 1);
-  return grey;
+  auto picture = ReadGreyPicture(file);
+  if (!picture) return Forward(picture);
+  const cv::Size size = picture->grey.size();
+  if (size != cv::Size(camera.width(), camera.height()))
+    return InputError(Format("%s: %d x %d pixels, allowed is the lens's size, %d x %d",
+                             file.c_str(), size.width, size.height, camera.width(),
+                             camera.height()));
+  return std::move(picture->grey);
 }
 
 handheld::PlaneView ViewOf(const std::string& name, const board::Detection& detection,
@@ -79,10 +83,12 @@ handheld::PlaneView ViewOf(const std::string& name, const board::Detection& dete
 }
 
 Result<Seen> SeeBoards(const RegisterArguments& arguments, const calib::CameraModel& camera) {
-  const auto plate = BoardOf(arguments.board);
+  const auto plate = board::ParseBoard(arguments.board);
   if (!plate) return Forward(plate);
+  auto files = ListPictures(arguments.pictures);
+  if (!files) return Forward(files);
   Seen seen;
-  for (const std::string& picture : arguments.pictures) seen.files.emplace_back(picture);
+  seen.files = std::move(*files);
   Progress progress("finding the board", seen.files.size());
   const auto found = board::DetectInPictures(
       seen.files.size(), [&](std::size_t i) { return ReadGrey(seen.files[i], camera); }, *plate,
@@ -122,8 +128,8 @@ Result<calib::Radiometry> RadiometryOf(const RegisterArguments& arguments, int d
                                               : depth == CV_16U ? 65535.0
                                                                 : 1.0);
   if (!(radiometry.white > radiometry.black))
-    return InputError(Format("--white: %g, allowed is above --black, %g", radiometry.white,
-                             radiometry.black));
+    return InputError(
+        Format("--white: %g, allowed is above --black, %g", radiometry.white, radiometry.black));
   if (arguments.encoding == "srgb") radiometry.encoding = calib::Encoding::kSrgb;
   if (arguments.encoding == "linear" || arguments.encoding == "srgb") return radiometry;
   char* end = nullptr;
@@ -176,8 +182,9 @@ Result<HandheldSession> SessionOf(const RegisterArguments& arguments, const Seen
     if (views[i].keyframe)
       session.keyframes.push_back({seen.files[i], seen.X_WB * views[i].pose->X_CB.Inverse()});
   if (session.keyframes.empty())
-    return InputError("no picture could be registered, so that there is no session; the reasons "
-                      "are above");
+    return InputError(
+        "no picture could be registered, so that there is no session; the reasons "
+        "are above");
   const auto first = rig::ReadImage(session.keyframes.front().picture);
   if (!first) return Forward(first);
   auto radiometry = RadiometryOf(arguments, first->depth());
@@ -199,8 +206,9 @@ Result<Seen> See(const RegisterArguments& arguments, HandheldSession& session) {
     return SeeBoards(arguments, session.camera);
   }
   if (!arguments.pictures.empty() || !arguments.board.size.empty())
-    return InputError("--corners: it names the pictures and the target; allowed is either it or "
-                      "pictures with --board");
+    return InputError(
+        "--corners: it names the pictures and the target; allowed is either it or "
+        "pictures with --board");
   const auto text = ReadFile(arguments.corners);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, arguments.corners);
@@ -221,8 +229,8 @@ Result<HandheldSession> Register(const RegisterArguments& arguments) {
   auto seen = See(arguments, session);
   if (!seen) return Forward(seen);
   seen->options.step_deg = arguments.step_deg;
-  const auto views = handheld::RegisterViews(
-      session.camera, seen->views, seen->X_WB.Inverse() * session.X_WT, seen->options);
+  const auto views = handheld::RegisterViews(session.camera, seen->views,
+                                             seen->X_WB.Inverse() * session.X_WT, seen->options);
   PrintViews(views);
   const auto found = std::count_if(views.begin(), views.end(),
                                    [](const auto& view) { return view.pose.has_value(); });
@@ -278,21 +286,23 @@ void AddPictureOptions(CLI::App& command, RegisterArguments& arguments) {
 void AddRegister(CLI::App& program, Action& action) {
   CLI::App* command = AddCommand(
       program, "register",
-      "Make a session of pictures from a camera that was carried round the target: the pose of each from a "
+      "Make a session of pictures from a camera that was carried round the target: the pose of "
+      "each from a "
       "board in view, or from the four corners of a flat target; a keyframe for each 10 degrees of "
       "view change. Lengths are in mm",
       "turnlight register walk/*.png --camera lens --board 10x10 --square-mm 10 --sphere 25 --at "
       "0,0,25 --out session");
   auto arguments = std::make_shared<RegisterArguments>();
   command->add_option("PICTURES", arguments->pictures,
-                      "PNG or TIFF, in the order in which they were taken");
+                      "Files or folders: PNG or TIFF, in the order in which they were taken");
   command
       ->add_option("--camera", arguments->camera,
                    "The lens: the folder of calibrate intrinsics, or a .cameramodel")
       ->type_name("DIR|FILE")
       ->required();
   AddBoardOptions(*command, arguments->board);
-  for (const char* option : {"--board", "--square-mm"}) command->get_option(option)->required(false);
+  for (const char* option : {"--board", "--square-mm"})
+    command->get_option(option)->required(false);
   command
       ->add_option("--corners", arguments->corners,
                    "Instead of a board: picked corners of a flat target (YAML: size: [W, H], "

@@ -22,8 +22,7 @@ Result<rig::FrameRecord> CopyPicture(const HandheldSession& session, std::size_t
   if (const auto image = rig::DecodeImage(*bytes, keyframe.picture, size); !image)
     return Forward(image);
   rig::FrameRecord frame;
-  frame.image =
-      "frames/" + Format("%03zu", index) + keyframe.picture.extension().string();
+  frame.image = "frames/" + Format("%03zu", index) + keyframe.picture.extension().string();
   frame.X_WC = keyframe.X_WC;
   frame.X_WT = session.X_WT;
   frame.sha256 = Sha256Hex(*bytes);
@@ -40,8 +39,7 @@ Result<rig::Target> CopyTarget(const HandheldSession& session, const fs::path& o
   if (!bytes) return Forward(bytes);
   if (const auto shape = rig::ParseMesh(*bytes, mesh); !shape) return Forward(shape);
   const std::string name = "target" + mesh.extension().string();
-  if (const Status written = WriteFileAtomic(out / name, *bytes); !written)
-    return Forward(written);
+  if (const Status written = WriteFileAtomic(out / name, *bytes); !written) return Forward(written);
   return rig::MeshFile{name};
 }
 

@@ -23,13 +23,14 @@ struct HandheldSession {
   std::string name;
   calib::CameraModel camera;
   calib::Radiometry radiometry;
-  std::variant<calib::SphereShape, calib::PlaneShape, std::filesystem::path> target;  // a mesh's file
+  std::variant<calib::SphereShape, calib::PlaneShape, std::filesystem::path>
+      target;  // a mesh's file
   calib::Pose X_WT;
   std::vector<HandheldKeyframe> keyframes;
 };
 
-// Copies pictures and mesh byte for byte into a new or empty folder and writes the session there, in
-// mm, session.json last. Fails (kInput): a folder with something in it, a picture that a session
+// Copies pictures and mesh byte for byte into a new or empty folder and writes the session there,
+// in mm, session.json last. Fails (kInput): a folder with something in it, a picture that a session
 // cannot have.
 Status WriteHandheldSession(const HandheldSession& session, const std::filesystem::path& out);
 

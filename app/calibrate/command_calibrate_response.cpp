@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/calibrate/calibrate_commands.h"
 #include "app/command.h"
@@ -15,6 +16,7 @@
 #include "calib/calibrate/response/response_pictures.h"
 #include "rig/rig_calibration.h"
 #include "rig/session/image_file.h"
+#include "rig/session/raw_capture.h"
 
 namespace turnlight::app {
 namespace {
@@ -25,7 +27,8 @@ namespace response = calib::calibrate::response;
 struct ResponseArguments {
   std::string list;
   std::string out;
-  std::string update;  // a rig's calibration; empty: none
+  std::string update;     // a rig's calibration; empty: none
+  std::vector<int> card;  // x, y, width, height; empty: none
 };
 
 Status WriteResponse(const response::Response& found, const fs::path& out) {
@@ -41,8 +44,27 @@ Status WriteResponse(const response::Response& found, const fs::path& out) {
   return status;
 }
 
+Result<response::ResponseList> ReadList(const ResponseArguments& arguments) {
+  std::optional<cv::Rect> card;
+  if (!arguments.card.empty())
+    card = cv::Rect(arguments.card[0], arguments.card[1], arguments.card[2], arguments.card[3]);
+  if (rig::IsRawCapture(arguments.list)) {
+    const auto capture = rig::ReadRawCapture(arguments.list);
+    if (!capture) return Forward(capture);
+    return response::ListOfCapture(*capture, card);
+  }
+  auto list = response::ReadResponseList(arguments.list);
+  if (list && card) {
+    if (!list->grey_card)
+      return InputError("--card: " + list->source +
+                        " has no grey_card, allowed is a list with one");
+    list->grey_card->rectangle = *card;
+  }
+  return list;
+}
+
 Result<response::Response> Calibrate(const ResponseArguments& arguments) {
-  const auto list = response::ReadResponseList(arguments.list);
+  const auto list = ReadList(arguments);
   if (!list) return Forward(list);
   std::optional<Progress> progress;
   std::size_t told = 0;
@@ -85,8 +107,10 @@ void AddCalibrateResponse(CLI::App& calibrate, Action& action) {
       calibrate, "response",
       "What a camera's digital numbers mean: linearity, black level, saturation, noise (photon "
       "transfer), vignetting and white balance, each with its sigma, from an exposure series of a "
-      "still scene, dark and flat frames and a grey card. LIST is response.yaml or its folder: "
-      "series: [{exposure_us, images}], dark, flat, grey_card: {images, rectangle}",
+      "still scene, dark and flat frames and a grey card. LIST is a raw capture with frames of "
+      "kinds "
+      "flat (at several exposures), dark and grey, or response.yaml or its folder: series: "
+      "[{exposure_us, images}], dark, flat, grey_card: {images, rectangle}",
       "turnlight calibrate response pictures/response.yaml --update rig-calibration.json --out "
       "response");
   auto arguments = std::make_shared<ResponseArguments>();
@@ -97,9 +121,14 @@ void AddCalibrateResponse(CLI::App& calibrate, Action& action) {
       ->add_option("--update", arguments->update,
                    "A rig's calibration to put the radiometry and the noise into, in place")
       ->type_name("FILE");
-  command->callback([arguments, &action] {
-    action = [arguments] { return RunCalibrateResponse(*arguments); };
-  });
+  command
+      ->add_option("--card", arguments->card, "Where the grey card is: X,Y,WIDTH,HEIGHT in pixels")
+      ->delimiter(',')
+      ->expected(4)
+      ->check(CLI::Range(0, 65535))
+      ->type_name("RECTANGLE");
+  command->callback(
+      [arguments, &action] { action = [arguments] { return RunCalibrateResponse(*arguments); }; });
 }
 
 }  // namespace turnlight::app

@@ -27,8 +27,9 @@ bool ChannelsAreEqual(const std::vector<model::Keyframe>& keyframes) {
 // much dark pixels may count for.
 constexpr double kModelFloor = 5e-4;
 
-// The weights from the variances of all.
+// The weights from the variances of all, if there are any.
 void SetWeights(Observations& all) {
+  if (all.variance.empty() || all.used == 0) return;
   const double floor = kModelFloor * BrightestRadiance(all);
   const auto variance = [&](std::size_t i) {
     return static_cast<float>(static_cast<double>(all.variance[i]) + floor * floor);
@@ -40,6 +41,12 @@ void SetWeights(Observations& all) {
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all.pixel[i] != Observations::kNoPixel && variance(i) > 0.0f)
       all.weight[i] = std::sqrt(reference / variance(i));
+}
+
+bool AllWeighted(const std::vector<Observations>& parts) {
+  return !parts.empty() && std::all_of(parts.begin(), parts.end(), [](const Observations& part) {
+    return part.size() == 0 || !part.variance.empty();
+  });
 }
 
 void AllowForNoise(Observations& all) {
@@ -131,7 +138,7 @@ Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
   ParallelFor(keyframes.size(), [&](std::size_t k) {
     Pack(keyframes[k], frames[k], static_cast<std::uint32_t>(k), out);
   });
-  if (!out.weight.empty() && out.used > 0) SetWeights(out);
+  SetWeights(out);
   if (flags) {
     flags->clear();
     for (FramePixels& frame : frames) flags->push_back(std::move(frame.flags));
@@ -143,7 +150,6 @@ Observations Concatenate(const std::vector<Observations>& parts) {
   Observations out;
   out.channels = 1;
   Vector3d sum = Vector3d::Zero();
-  std::size_t tiles = 0;
   for (const Observations& part : parts) {
     out.radius = part.radius;
     out.caster = part.caster;
@@ -152,16 +158,11 @@ Observations Concatenate(const std::vector<Observations>& parts) {
     if (part.used > 0) out.channels = std::max(out.channels, part.channels);
     out.used += part.used;
     sum += static_cast<double>(part.used) * part.reference;
-    tiles += part.tiles();
-    out.tile_begin.push_back(tiles);
+    out.tile_begin.push_back(out.tile_begin.back() + part.tiles());
   }
   if (out.used > 0) out.reference = sum / static_cast<double>(out.used);
-  out.Resize(tiles * kTile);
-  const bool weighted =
-      !parts.empty() && std::all_of(parts.begin(), parts.end(), [](const Observations& part) {
-        return part.size() == 0 || !part.variance.empty();
-      });
-  if (weighted) AllowForNoise(out);
+  out.Resize(out.tile_begin.back() * kTile);
+  if (AllWeighted(parts)) AllowForNoise(out);
   std::size_t at = 0;
   std::uint32_t first_keyframe = 0;
   const auto put = [&at](const auto& from, auto& to) {
@@ -181,7 +182,7 @@ Observations Concatenate(const std::vector<Observations>& parts) {
       put(part.step[k], out.step[k]);
     }
     put(part.pixel, out.pixel);
-    if (weighted) put(part.variance, out.variance);
+    if (!out.variance.empty()) put(part.variance, out.variance);
     if (out.caster != nullptr) {
       for (int k = 0; k < 3; ++k) put(part.face_normal[k], out.face_normal[k]);
       for (std::size_t i = 0; i < part.size(); ++i)
@@ -192,7 +193,7 @@ Observations Concatenate(const std::vector<Observations>& parts) {
               out.tile_footprint.begin() + static_cast<std::ptrdiff_t>(at / kTile));
     at += part.size();
   }
-  if (weighted && out.used > 0) SetWeights(out);
+  SetWeights(out);
   return out;
 }
 

@@ -1,7 +1,7 @@
-// Proves of the program: rendered pictures of a board, taken from known places, become a session with
-// those poses and a keyframe for each step of view change; picked corners of a plane do likewise;
-// what cannot be is refused with what is allowed, and a picture without a board is named. Does not
-// prove: anything of real cameras.
+// Proves of the program: rendered pictures of a board, taken from known places, become a session
+// with those poses and a keyframe for each step of view change; picked corners of a plane do
+// likewise; what cannot be is refused with what is allowed, and a picture without a board is named.
+// Does not prove: anything of real cameras.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,9 +35,7 @@ calib::Pose CameraAt(double azimuth_deg) {
 
 class Register : public testing::Test {
  protected:
-  void SetUp() override {
-    WriteText(folder_ / "lens.cameramodel", WalkCamera().ToString());
-  }
+  void SetUp() override { WriteText(folder_ / "lens.cameramodel", WalkCamera().ToString()); }
   // A 9 x 6 board of 12 mm around W's origin.
   std::string TakeBoard(double azimuth_deg) {
     const Board board{BoardKind::kChessboard, 9, 6, 12.0, 0.0, ""};
@@ -57,8 +55,8 @@ class Register : public testing::Test {
   Outcome RunRegister(std::vector<std::string> pictures, std::vector<std::string> more) {
     std::vector<std::string> words{"register"};
     words.insert(words.end(), pictures.begin(), pictures.end());
-    for (const std::string& word : {std::string("--camera"), folder_ / "lens.cameramodel",
-                                    std::string("--out"), out_})
+    for (const std::string& word :
+         {std::string("--camera"), folder_ / "lens.cameramodel", std::string("--out"), out_})
       words.push_back(word);
     words.insert(words.end(), more.begin(), more.end());
     return RunProgram(words);
@@ -112,7 +110,8 @@ TEST_F(Register, PickedCornersOfAPlaneDoAsWell) {
     text += "]}\n";
   }
   WriteText(folder_ / "corners.yaml", text);
-  const Outcome run = RunRegister({}, {"--corners", folder_ / "corners.yaml", "--encoding", "srgb"});
+  const Outcome run =
+      RunRegister({}, {"--corners", folder_ / "corners.yaml", "--encoding", "srgb"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   const auto session = rig::ReadSession(out_);
   ASSERT_TRUE(session) << session.error().text;

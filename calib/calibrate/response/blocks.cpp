@@ -12,35 +12,8 @@ namespace {
 
 constexpr double kOutlyingSigmas = 6.0;
 constexpr int kRejections = 3;
-constexpr double kLowShare = 0.005;  // quantiles that stand for a block's darkest and brightest
-constexpr int kLeastBlock = 8;       // pixels a side
-
-struct Moments {
-  double count = 0.0, mean = 0.0, variance = 0.0;
-};
-
-// Mean and variance without what is beyond 6 sigma of the rest. A quantile would not do: of noise
-// smaller than a step of the numbers it is 0.
-Moments RobustMoments(const std::vector<double>& values) {
-  Moments out;
-  double low = -HUGE_VAL, high = HUGE_VAL;
-  for (int round = 0; round <= kRejections; ++round) {
-    double count = 0.0, sum = 0.0, squares = 0.0;
-    for (const double v : values)
-      if (v >= low && v <= high) {
-        ++count;
-        sum += v;
-      }
-    const double mean = sum / std::max(count, 1.0);
-    for (const double v : values)
-      if (v >= low && v <= high) squares += (v - mean) * (v - mean);
-    out = {count, mean, squares / std::max(count - 1.0, 1.0)};
-    const double reach = kOutlyingSigmas * std::sqrt(out.variance);
-    low = mean - reach;
-    high = mean + reach;
-  }
-  return out;
-}
+constexpr double kLowShare = 0.02;  // quantiles that stand for a block's darkest and brightest
+constexpr int kLeastBlock = 8;      // pixels a side
 
 cv::Rect BlockRect(const cv::Size& size, const cv::Size& grid, int place) {
   const int column = place % grid.width, row = place / grid.width;
@@ -105,6 +78,29 @@ std::vector<double> LightRatios(const std::vector<std::vector<Plane>>& pictures,
 }
 
 }  // namespace
+
+// Sigma is that of the rest, again and again: a quantile would not do, of noise smaller than a step
+// of the numbers it is 0.
+Moments RobustMoments(const std::vector<double>& values) {
+  Moments out;
+  double low = -HUGE_VAL, high = HUGE_VAL;
+  for (int round = 0; round <= kRejections; ++round) {
+    double count = 0.0, sum = 0.0, squares = 0.0;
+    for (const double v : values)
+      if (v >= low && v <= high) {
+        ++count;
+        sum += v;
+      }
+    const double mean = sum / std::max(count, 1.0);
+    for (const double v : values)
+      if (v >= low && v <= high) squares += (v - mean) * (v - mean);
+    out = {count, mean, squares / std::max(count - 1.0, 1.0)};
+    const double reach = kOutlyingSigmas * std::sqrt(out.variance);
+    low = mean - reach;
+    high = mean + reach;
+  }
+  return out;
+}
 
 std::vector<Plane> PlanesOf(const cv::Mat& image, const std::optional<std::string>& bayer) {
   std::vector<Plane> planes;

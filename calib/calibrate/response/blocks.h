@@ -31,6 +31,12 @@ std::vector<Plane> PlanesOf(const cv::Mat& image, const std::optional<std::strin
 // "red", "green", "green (2nd)", "blue" or "grey".
 std::string PlaneName(const std::vector<Plane>& planes, std::size_t plane);
 
+struct Moments {
+  double count = 0.0, mean = 0.0, variance = 0.0;
+};
+// Without what is beyond 6 sigma of the rest.
+Moments RobustMoments(const std::vector<double>& values);
+
 struct Block {
   std::size_t plane = 0, place = 0;  // place: of the grid, row by row
   double x = 0.0, y = 0.0;           // its centre in the picture, pixels
@@ -38,7 +44,7 @@ struct Block {
   // DN, over all pictures; hot and dead pixels (beyond 6 sigma) do not count.
   double mean = 0.0;
   double spread = 0.0;             // variance over pixels and pictures, DN^2
-  double low = 0.0, high = 0.0;    // 0.5 % and 99.5 % quantile, DN
+  double low = 0.0, high = 0.0;    // 2 % and 98 % quantile, DN
   double middle = 0.0;             // median, DN
   std::optional<double> variance;  // of one picture's noise, with rounding, DN^2
   double differences = 0.0;        // that it is made of

@@ -11,12 +11,14 @@ namespace turnlight::calib::calibrate::response {
 namespace {
 
 constexpr int kCoefficients = 3;
-constexpr double kEvenness = 1e-3;      // of the surface's light, as a share
-constexpr double kLeastFall = 2e-3;       // of the corner's share: less is not worth a correction
-constexpr double kSignificance = 3.0;     // sigmas
-constexpr double kMostOffset = 0.2;       // of the picture's size, for a centre that is believed
-constexpr double kDustSigmas = 4.0;   // dust
-constexpr double kLeastLight = 0.02;      // of white
+constexpr double kEvenness = 1e-3;     // of the surface's light, as a share
+constexpr double kLeastFall = 2e-3;    // of the corner's share: less is not worth a correction
+constexpr double kSignificance = 3.0;  // sigmas
+constexpr double kMostOffset = 0.2;    // of the picture's size, for a centre that is believed
+constexpr double kDustSigmas = 4.0;    // dust
+constexpr double kClearSigmas = 3.0;   // sigmas below what is clipped
+constexpr double kMostClipped = 0.01;  // of a card's pixels: broken ones
+constexpr double kLeastLight = 0.02;   // of white
 
 struct FlatSample {
   std::size_t curve = 0;  // group and plane: an amplitude of its own
@@ -78,8 +80,8 @@ ShapeFit FitShape(const std::vector<FlatSample>& samples, std::size_t curves, co
   };
   const Eigen::Index count = (free_center ? 2 : 0) + kCoefficients;
   ShapeFit out;
-  out.solution = Minimise(residuals, Eigen::VectorXd::Zero(count),
-                          Eigen::VectorXd::Constant(count, 0.05));
+  out.solution =
+      Minimise(residuals, Eigen::VectorXd::Zero(count), Eigen::VectorXd::Constant(count, 0.05));
   const auto used = std::count_if(samples.begin(), samples.end(),
                                   [](const FlatSample& sample) { return !sample.dust; });
   out.chi = std::sqrt(out.solution.residuals.squaredNorm() /
@@ -103,8 +105,12 @@ std::vector<FlatSample> CollectFlat(const std::vector<Group>& flat, const Radiom
     for (const Block& block : group.blocks) {
       planes = std::max(planes, block.plane + 1);
       const double s = (block.mean - radiometry.black) / range;
-      if (block.high >= saturation || block.low <= 0.0 || s < kLeastLight) continue;
-      const double noise = std::sqrt(block.spread / (block.pixels * static_cast<double>(group.pictures)));
+      const double clear = kClearSigmas * std::sqrt(block.spread);
+      if (std::max(block.high, block.mean + clear) >= saturation || block.low <= 0.0 ||
+          s < kLeastLight)
+        continue;
+      const double noise =
+          std::sqrt(block.spread / (block.pixels * static_cast<double>(group.pictures)));
       const double light = transfer.Decode(s);
       const double slope = (transfer.Decode(s + 0.5 / range) - transfer.Decode(s - 0.5 / range));
       samples.push_back({curves + block.plane, block.x, block.y, light,
@@ -124,8 +130,9 @@ void FillCorner(const ShapeFit& fit, const cv::Size& size, FlatField& out) {
       const double dx = x - out.vignetting.center_x, dy = y - out.vignetting.center_y;
       const double q = (dx * dx + dy * dy) / std::pow(out.vignetting.radius, 2);
       const Eigen::Vector3d row(q, q * q, q * q * q);
-      out.corner_sigma = std::max(fit.chi, 1.0) *
-                         std::sqrt(row.dot(fit.solution.covariance.bottomRightCorner<3, 3>() * row));
+      out.corner_sigma =
+          std::max(fit.chi, 1.0) *
+          std::sqrt(row.dot(fit.solution.covariance.bottomRightCorner<3, 3>() * row));
     }
 }
 
@@ -142,12 +149,37 @@ void FillMaps(const std::vector<FlatSample>& samples, const std::vector<double>&
       ++count;
     }
     if (sample.curve != 0) continue;
-    const int column = std::min(static_cast<int>(sample.x * grid.width / size.width), grid.width - 1);
-    const int row = std::min(static_cast<int>(sample.y * grid.height / size.height), grid.height - 1);
+    const int column =
+        std::min(static_cast<int>(sample.x * grid.width / size.width), grid.width - 1);
+    const int row =
+        std::min(static_cast<int>(sample.y * grid.height / size.height), grid.height - 1);
     out.measured(row, column) = measured;
     out.fitted(row, column) = share;
   }
   out.rms = std::sqrt(squares / std::max(count, 1.0));
+}
+
+// The light of the card's pixels in a plane; clipped ones are counted.
+void CollectCard(const Plane& plane, const cv::Rect& card, const Radiometry& radiometry,
+                 double saturation, std::vector<double>& lights, std::size_t& clipped,
+                 std::size_t& all) {
+  const Transfer transfer(radiometry);
+  const double range = radiometry.white - radiometry.black;
+  cv::Mat1d values;
+  plane.values.convertTo(values, CV_64F);
+  for (int row = 0; row < values.rows; ++row)
+    for (int column = 0; column < values.cols; ++column) {
+      const double x = plane.PixelX(column), y = plane.PixelY(row);
+      if (!card.contains(cv::Point(static_cast<int>(x), static_cast<int>(y)))) continue;
+      ++all;
+      const double dn = values(row, column);
+      if (dn >= saturation) {
+        ++clipped;
+        continue;
+      }
+      const double share = radiometry.vignetting ? radiometry.vignetting->ShareAt(x, y) : 1.0;
+      lights.push_back(transfer.Decode((dn - radiometry.black) / range) / share);
+    }
 }
 
 }  // namespace
@@ -159,9 +191,10 @@ Result<FlatField> FitVignetting(const std::vector<Group>& flat, const Radiometry
   std::size_t blocks = 0;
   for (const Group& group : flat) blocks += group.blocks.size();
   if (2 * samples.size() < blocks || samples.size() < 30)
-    return InputError(Format("flat: %zu of %zu blocks are neither clipped nor darker than %.0f %% of "
-                             "white, allowed are flat frames that are exposed to about half of white",
-                             samples.size(), blocks, 100.0 * kLeastLight));
+    return InputError(
+        Format("flat: %zu of %zu blocks are neither clipped nor darker than %.0f %% of "
+               "white, allowed are flat frames that are exposed to about half of white",
+               samples.size(), blocks, 100.0 * kLeastLight));
   FlatField out;
   out.center_known = true;
   ShapeFit fit = FitShape(samples, curves, size, true);
@@ -170,7 +203,8 @@ Result<FlatField> FitVignetting(const std::vector<Group>& flat, const Radiometry
     for (std::size_t i = 0; i < samples.size(); ++i)
       samples[i].dust |= std::abs(fit.solution.residuals[static_cast<Eigen::Index>(i)]) > limit;
     const Eigen::VectorXd& at = fit.solution.parameters;
-    if (!at.allFinite() || at.head<2>().cwiseAbs().maxCoeff() > kMostOffset) out.center_known = false;
+    if (!at.allFinite() || at.head<2>().cwiseAbs().maxCoeff() > kMostOffset)
+      out.center_known = false;
     fit = FitShape(samples, curves, size, out.center_known);
   }
   out.vignetting = At(fit.solution.parameters, size);
@@ -187,42 +221,32 @@ Result<FlatField> FitVignetting(const std::vector<Group>& flat, const Radiometry
 Result<WhiteBalance> FindWhiteBalance(const std::vector<cv::Mat>& pictures,
                                       const std::optional<std::string>& bayer, const cv::Rect& card,
                                       const Radiometry& radiometry, double saturation) {
-  const Transfer transfer(radiometry);
-  const double range = radiometry.white - radiometry.black;
-  std::array<double, 3> sum{}, squares{}, count{};
+  std::array<std::vector<double>, 3> lights;
+  std::size_t clipped = 0, all = 0;
   for (const cv::Mat& picture : pictures)
-    for (const Plane& plane : PlanesOf(picture, bayer)) {
-      const auto channel = static_cast<std::size_t>(plane.channel);
-      for (int row = 0; row < plane.values.rows; ++row)
-        for (int column = 0; column < plane.values.cols; ++column) {
-          const double x = plane.PixelX(column), y = plane.PixelY(row);
-          if (!card.contains(cv::Point(static_cast<int>(x), static_cast<int>(y)))) continue;
-          const double dn = plane.values.depth() == CV_8U ? plane.values.at<std::uint8_t>(row, column)
-                                                          : plane.values.at<std::uint16_t>(row, column);
-          if (dn >= saturation)
-            return InputError(Format("grey_card: a pixel of the card at (%.0f, %.0f) is clipped, "
-                                     "allowed is a card that is darker than %.6g DN everywhere",
-                                     x, y, saturation));
-          const double share = radiometry.vignetting ? radiometry.vignetting->ShareAt(x, y) : 1.0;
-          const double light = transfer.Decode((dn - radiometry.black) / range) / share;
-          sum[channel] += light;
-          squares[channel] += light * light;
-          ++count[channel];
-        }
-    }
+    for (const Plane& plane : PlanesOf(picture, bayer))
+      CollectCard(plane, card, radiometry, saturation,
+                  lights[static_cast<std::size_t>(plane.channel)], clipped, all);
+  if (static_cast<double>(clipped) > kMostClipped * static_cast<double>(all))
+    return InputError(
+        Format("grey_card: %zu of the card's %zu values are clipped, allowed is a card "
+               "that is darker than %.6g DN everywhere",
+               clipped, all, saturation));
   WhiteBalance out;
-  std::array<double, 3> mean{}, relative{};
+  std::array<Moments, 3> light;
   for (std::size_t c = 0; c < 3; ++c) {
-    mean[c] = count[c] > 0.0 ? sum[c] / count[c] : 0.0;
-    if (!(mean[c] > 0.0))
-      return InputError("grey_card: the card has no light in one of red, green and blue; allowed is "
-                        "a colour picture, or a mosaic with its bayer pattern, of a lit card");
-    const double variance = std::max(squares[c] / count[c] - mean[c] * mean[c], 0.0);
-    relative[c] = std::sqrt(variance / count[c]) / mean[c];
+    light[c] = RobustMoments(lights[c]);
+    if (light[c].mean > 0.0) continue;
+    return InputError(
+        "grey_card: the card has no light in one of red, green and blue; allowed is "
+        "a colour picture, or a mosaic with its bayer pattern, of a lit card");
   }
+  const auto relative = [&](std::size_t c) {
+    return std::sqrt(light[c].variance / light[c].count) / light[c].mean;
+  };
   for (std::size_t c = 0; c < 3; ++c) {
-    out.balance[c] = mean[c] / mean[1];
-    out.sigma[c] = c == 1 ? 0.0 : out.balance[c] * std::hypot(relative[c], relative[1]);
+    out.balance[c] = light[c].mean / light[1].mean;
+    out.sigma[c] = c == 1 ? 0.0 : out.balance[c] * std::hypot(relative(c), relative(1));
   }
   return out;
 }

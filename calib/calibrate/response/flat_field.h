@@ -15,8 +15,8 @@ namespace turnlight::calib::calibrate::response {
 
 struct FlatField {
   Vignetting vignetting;
-  std::vector<double> sigma;   // of its coefficients
-  double corner_share = 1.0;   // of the light, in the darkest corner
+  std::vector<double> sigma;  // of its coefficients
+  double corner_share = 1.0;  // of the light, in the darkest corner
   double corner_sigma = 0.0;
   double rms = 0.0;            // of what is left, a share of the light
   bool significant = false;    // else the flat frames are even, and nothing needs to be taken out

@@ -141,11 +141,11 @@ Result<PhotonTransfer> FitPhotonTransfer(const std::vector<Group>& series,
   for (const TransferPoint& point : out.points) all.push_back(&point);
   const Line line = FitLine(all);
   if (!line.good)
-    return InputError(
-        Format("series: %zu exposures have two pictures or more, and %zu of their blocks show noise "
-               "that is neither clipped nor rounded away; allowed are pairs at several levels "
-               "between black and white",
-               pairs, out.points.size()));
+    return InputError(Format(
+        "series: %zu exposures have two pictures or more, and %zu of their blocks show noise "
+        "that is neither clipped nor rounded away; allowed are pairs at several levels "
+        "between black and white",
+        pairs, out.points.size()));
   Finish(line, black_sigma, out);
   for (std::size_t plane = 0; plane < planes; ++plane) {
     std::vector<const TransferPoint*> own;

@@ -1,9 +1,9 @@
 // Photon transfer (EMVA 1288; Janesick, 2007): how the noise grows with the light tells how many DN
 // an electron makes, and what noise there is without light.
 //
-// Of linear DN x above black: variance = read^2 + gain x. What is measured is in DN as stored, so it
-// is carried through the encoding: without the 1/12 of rounding, times the square of the slope. It
-// comes from differences of two pictures, where what pixels differ by each for itself falls out.
+// Of linear DN x above black: variance = read^2 + gain x. What is measured is in DN as stored, so
+// it is carried through the encoding: without the 1/12 of rounding, times the square of the slope.
+// It comes from differences of two pictures, where what pixels differ by each for itself falls out.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,8 +29,8 @@ struct PhotonTransfer {
   Eigen::Matrix2d covariance;                         // of read noise, gain
   double chi = 0.0;  // root of chi^2 per degree of freedom; sigmas are larger by it, if above 1
   bool read_noise_found = false;  // else its variance came out below 0, and it is 0
-  bool rounded_away = false;      // some pictures' noise is smaller than rounding; they do not count
-  std::vector<double> by_plane;   // gain of each plane alone; 0 where it has too few points
+  bool rounded_away = false;     // some pictures' noise is smaller than rounding; they do not count
+  std::vector<double> by_plane;  // gain of each plane alone; 0 where it has too few points
   std::vector<TransferPoint> points;
 
   double ReadSigma() const;

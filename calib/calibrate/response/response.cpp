@@ -18,8 +18,10 @@ const cv::Size kSeriesGrid(8, 6), kFlatGrid(24, 18);
 
 std::string KindOf(const cv::Mat& image) {
   return Format("%d x %d pixels, %d bits, %d channel%s", image.cols, image.rows,
-                image.depth() == CV_8U ? 8 : image.depth() == CV_16U ? 16 : 32, image.channels(),
-                image.channels() == 1 ? "" : "s");
+                image.depth() == CV_8U    ? 8
+                : image.depth() == CV_16U ? 16
+                                          : 32,
+                image.channels(), image.channels() == 1 ? "" : "s");
 }
 
 // Reads groups of pictures that are all alike.
@@ -28,7 +30,7 @@ class Reader {
   Reader(const ResponseList& list, const ResponseProgress& progress)
       : list_(list), progress_(progress) {
     total_ = list.series.size() + (list.dark.images.empty() ? 0 : 1) +
-             (list.flat.images.empty() ? 0 : 1) + (list.grey_card ? 1 : 0);
+             (list.flat.images.empty() && !list.series_is_flat ? 0 : 1) + (list.grey_card ? 1 : 0);
   }
 
   Result<std::vector<cv::Mat>> Read(const std::vector<std::filesystem::path>& files) {
@@ -61,8 +63,8 @@ class Reader {
         return InputError(file + ": " + KindOf(image) +
                           ", allowed are raw pictures of 8 or 16 bits, at least 16 x 16 pixels");
       if (list_.bayer && image.channels() != 1)
-        return InputError(list_.source + ": bayer: \"" + *list_.bayer + "\", but " + file + " has " +
-                          std::to_string(image.channels()) +
+        return InputError(list_.source + ": bayer: \"" + *list_.bayer + "\", but " + file +
+                          " has " + std::to_string(image.channels()) +
                           " channels; allowed is bayer of pictures of one channel");
       first_ = image;
     }
@@ -94,6 +96,23 @@ struct Measured {
   std::vector<Group> series, dark, flat;
 };
 
+// Of a series of an even surface the brightest exposure that is not clipped anywhere.
+Status MeasureBrightest(const ResponseList& list, Reader& reader, double black, const Response& out,
+                        Measured& measured) {
+  const double saturation = out.saturation.value_or(HUGE_VAL);
+  for (std::size_t i = list.series.size(); i-- > 0;) {
+    const auto& blocks = measured.series[i].blocks;
+    if (std::any_of(blocks.begin(), blocks.end(),
+                    [&](const Block& block) { return block.high >= saturation; }))
+      continue;
+    auto group = reader.Measure(list.series[i], black, kFlatGrid);
+    if (!group) return Forward(group);
+    measured.flat.push_back(std::move(*group));
+    return {};
+  }
+  return {};
+}
+
 Result<Measured> MeasureAll(const ResponseList& list, Reader& reader, Response& out) {
   Measured measured;
   if (!list.dark.images.empty()) {
@@ -114,6 +133,10 @@ Result<Measured> MeasureAll(const ResponseList& list, Reader& reader, Response& 
     if (!group) return Forward(group);
     measured.flat.push_back(std::move(*group));
   }
+  out.saturation = FindSaturation(measured.series, black);
+  if (measured.flat.empty() && list.series_is_flat)
+    if (const Status status = MeasureBrightest(list, reader, black, out, measured); !status)
+      return Forward(status);
   const auto planes = PlanesOf(reader.first(), list.bayer);
   for (std::size_t i = 0; i < planes.size(); ++i) out.planes.push_back(PlaneName(planes, i));
   out.size = reader.first().size();
@@ -133,8 +156,7 @@ Status FindBalance(const ResponseList& list, Reader& reader, double saturation, 
                       " pixels, allowed is one within it");
   const auto pictures = reader.Read(list.grey_card->images);
   if (!pictures) return Forward(pictures);
-  const auto balance =
-      FindWhiteBalance(*pictures, list.bayer, card, out.radiometry, saturation);
+  const auto balance = FindWhiteBalance(*pictures, list.bayer, card, out.radiometry, saturation);
   if (!balance) return InputError(list.source + ": " + balance.error().text);
   out.balance = *balance;
   out.radiometry.white_balance = balance->balance;
@@ -195,7 +217,6 @@ Result<Response> CalibrateResponse(const ResponseList& list, const ResponseProgr
     return InputError(list.source + ": " + result.error().text);
   };
   const double white = list.white.value_or(FullScale(reader.first(), reader.largest()));
-  out.saturation = FindSaturation(measured->series, out.dark ? out.dark->dn : 0.0);
   const double saturation = out.saturation.value_or(white);
   auto curve = FitResponseCurve(measured->series, out.dark, white, saturation);
   if (!curve) return fail(curve);
@@ -207,8 +228,8 @@ Result<Response> CalibrateResponse(const ResponseList& list, const ResponseProgr
                                       out.curve.black_sigma, saturation);
     if (!transfer) return fail(transfer);
     out.transfer = std::move(*transfer);
-    out.radiometry.noise = NoiseModel{out.transfer->read_noise_dn, out.transfer->dn_per_electron,
-                                      list.gain_db};
+    out.radiometry.noise =
+        NoiseModel{out.transfer->read_noise_dn, out.transfer->dn_per_electron, list.gain_db};
   }
   if (!measured->flat.empty()) {
     auto flat = FitVignetting(measured->flat, out.radiometry, saturation, out.size, kFlatGrid);
@@ -246,11 +267,11 @@ std::string PrintResponse(const Response& response) {
 Status ApplyResponse(const Response& response, rig::RigCalibration& calibration) {
   const cv::Size& size = calibration.devices.resolution;
   if (size != response.size)
-    return InputError(calibration.source + ": identity/camera/resolution: " +
-                      std::to_string(size.width) + " x " + std::to_string(size.height) +
-                      ", the response's pictures have " + std::to_string(response.size.width) +
-                      " x " + std::to_string(response.size.height) +
-                      "; allowed are pictures of the calibrated camera's size");
+    return InputError(
+        calibration.source + ": identity/camera/resolution: " + std::to_string(size.width) + " x " +
+        std::to_string(size.height) + ", the response's pictures have " +
+        std::to_string(response.size.width) + " x " + std::to_string(response.size.height) +
+        "; allowed are pictures of the calibrated camera's size");
   const Radiometry before = calibration.radiometry;
   Radiometry& radiometry = calibration.radiometry;
   radiometry = response.radiometry;

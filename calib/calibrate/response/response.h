@@ -27,20 +27,20 @@ struct Response {
   std::optional<PhotonTransfer> transfer;  // of series with pairs
   std::optional<FlatField> flat;
   std::optional<WhiteBalance> balance;
-  double flicker = 0.0;             // largest change of light within a pair, a share
-  std::vector<std::string> words;   // what it says, for people: verdict first, then remarks
+  double flicker = 0.0;            // largest change of light within a pair, a share
+  std::vector<std::string> words;  // what it says, for people: verdict first, then remarks
 };
 
 // Called before each picture's group; false stops.
 using ResponseProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
-// Reads the pictures, an exposure at a time. The same bits for any number of threads. Fails (kInput)
-// with the file of a picture that cannot be read or is unlike the first, or with what the pictures
-// lack; (kInterrupted) if it was stopped.
+// Reads the pictures, an exposure at a time. The same bits for any number of threads. Fails
+// (kInput) with the file of a picture that cannot be read or is unlike the first, or with what the
+// pictures lack; (kInterrupted) if it was stopped.
 Result<Response> CalibrateResponse(const ResponseList& list, const ResponseProgress& progress = {});
 
-// radiometry and noise with units and covariance, as rig-calibration.json has them, and how they were
-// found.
+// radiometry and noise with units and covariance, as rig-calibration.json has them, and how they
+// were found.
 std::string PrintResponse(const Response& response);
 
 // Puts it into a rig's calibration. Keeps what was not measured: references, and the white balance

@@ -21,8 +21,9 @@ constexpr double kLeastGamma = 0.1, kMostGamma = 10.0;
 constexpr int kPieces = 16;           // of a curve
 constexpr double kSmoothness = 0.15;  // by how much the logarithms of neighbouring rises differ
 constexpr double kFlooredSigma = 0.3, kUnknownBlackSigma = 1e4;  // DN
-constexpr double kStuck = 0.05;      // d log(DN) / d log(t) of what is clipped
-constexpr double kLeastStep = 1.05;  // between two exposures
+constexpr double kStuck = 0.05;                       // d log(DN) / d log(t) of what is clipped
+constexpr double kLeastStep = 1.05, kMostStep = 8.0;  // between two exposures
+constexpr double kCollapsed = 0.1;                    // of the spread in the exposure before
 constexpr std::size_t kFewestSamples = 6;
 
 struct Sample {
@@ -270,8 +271,9 @@ std::optional<double> FindSaturation(const std::vector<Group>& series, double bl
     for (std::size_t i = 0; i < ordered[g]->blocks.size(); ++i) {
       const Block &now = ordered[g]->blocks[i], &before = ordered[g - 1]->blocks[i];
       const double growth = std::log((now.mean - black) / std::max(before.mean - black, 1e-3));
-      if (now.mean - black > 0.5 * brightest && growth < kStuck * std::log(step))
-        levels.push_back(now.low);
+      const bool stuck = growth < kStuck * std::log(step);
+      const bool collapsed = step < kMostStep && now.spread < kCollapsed * before.spread;
+      if (now.mean - black > 0.5 * brightest && (stuck || collapsed)) levels.push_back(now.low);
     }
   }
   if (levels.empty()) return std::nullopt;

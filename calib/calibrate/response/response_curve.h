@@ -24,7 +24,7 @@ struct BlackLevel {
 // see that. None without dark frames.
 std::optional<BlackLevel> FindBlack(const std::vector<Group>& dark);
 
-// The DN at which pixels stop to get brighter with the exposure. None if none did.
+// The DN at which pixels stop to get brighter with the exposure, or to scatter. None if none did.
 std::optional<double> FindSaturation(const std::vector<Group>& series, double black);
 
 struct EncodingTrial {

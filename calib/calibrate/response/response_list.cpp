@@ -20,8 +20,9 @@ Result<fs::path> FindList(const fs::path& path) {
   if (!fs::is_directory(path, code)) return path;
   for (const char* name : kNames)
     if (fs::exists(path / name, code)) return path / name;
-  return InputError(path.string() + ": holds no list of pictures, allowed is a folder with response.yaml "
-                                    "or response.json, or such a file");
+  return InputError(path.string() +
+                    ": holds no list of pictures, allowed is a folder with response.yaml "
+                    "or response.json, or such a file");
 }
 
 std::vector<fs::path> ReadNames(StrictObject& object, const std::string& key,
@@ -37,6 +38,22 @@ std::vector<fs::path> ReadNames(StrictObject& object, const std::string& key,
   return names;
 }
 
+void AddToSeries(ListedGroup group, std::vector<ListedGroup>& series) {
+  const auto same = std::find_if(series.begin(), series.end(), [&](const ListedGroup& other) {
+    return other.exposure_us == group.exposure_us;
+  });
+  if (same == series.end())
+    series.push_back(std::move(group));
+  else
+    same->images.insert(same->images.end(), group.images.begin(), group.images.end());
+}
+
+void SortSeries(std::vector<ListedGroup>& series) {
+  std::stable_sort(series.begin(), series.end(), [](const ListedGroup& a, const ListedGroup& b) {
+    return a.exposure_us < b.exposure_us;
+  });
+}
+
 // Those of one exposure together, from the shortest to the longest.
 Status ReadSeries(StrictObject& object, const fs::path& folder, std::vector<ListedGroup>& series) {
   for (StrictObject entry : object.Objects("series", kFewestExposures)) {
@@ -44,20 +61,12 @@ Status ReadSeries(StrictObject& object, const fs::path& folder, std::vector<List
     group.exposure_us = entry.Number("exposure_us", {.above = 0.0});
     group.images = ReadNames(entry, "images", folder);
     if (Status status = entry.Finish(); !status) return status;
-    const auto same = std::find_if(series.begin(), series.end(), [&](const ListedGroup& other) {
-      return other.exposure_us == group.exposure_us;
-    });
-    if (same == series.end())
-      series.push_back(std::move(group));
-    else
-      same->images.insert(same->images.end(), group.images.begin(), group.images.end());
+    AddToSeries(std::move(group), series);
   }
-  std::stable_sort(series.begin(), series.end(), [](const ListedGroup& a, const ListedGroup& b) {
-    return a.exposure_us < b.exposure_us;
-  });
+  SortSeries(series);
   if (object.ok() && series.size() < kFewestExposures)
-    object.RefuseText("series", std::to_string(series.size()) +
-                                    " different exposures, allowed are at least 3");
+    object.RefuseText(
+        "series", std::to_string(series.size()) + " different exposures, allowed are at least 3");
   return {};
 }
 
@@ -96,6 +105,43 @@ Result<ResponseList> ReadResponseList(const fs::path& path) {
   if (const auto card = object.OptionalObject("grey_card"))
     if (Status status = ReadCard(*card, folder, list.grey_card); !status) return Forward(status);
   if (const Status status = object.Finish(); !status) return Forward(status);
+  return list;
+}
+
+Result<ResponseList> ListOfCapture(const rig::RawCapture& capture,
+                                   const std::optional<cv::Rect>& card) {
+  ResponseList list;
+  list.source = (capture.root / rig::kCaptureFile).string();
+  list.bayer = capture.bayer;
+  list.white = capture.radiometry.white;
+  list.series_is_flat = true;
+  std::vector<fs::path> grey;
+  std::optional<double> gain_db;
+  for (const rig::RawCaptureFrame& frame : capture.frames) {
+    const fs::path image = capture.root / frame.image;
+    const bool flat = frame.kind == "flat";
+    if (frame.kind == "dark") list.dark.images.push_back(image);
+    if (frame.kind == "grey") grey.push_back(image);
+    if (flat && !frame.exposure.exposure_us)
+      return InputError(list.source + ": " + frame.image +
+                        ": a flat frame without exposure_us, allowed are frames with it");
+    if (flat) AddToSeries({*frame.exposure.exposure_us, {image}}, list.series);
+    if (!flat && frame.kind != "dark" && frame.kind != "grey") continue;
+    if (gain_db && *gain_db != frame.exposure.gain_db)
+      return InputError(list.source + ": " + frame.image +
+                        ": gain_db differs from the frames' before, allowed is one gain for all");
+    gain_db = frame.exposure.gain_db;
+  }
+  SortSeries(list.series);
+  list.gain_db = gain_db.value_or(0.0);
+  if (list.series.size() < kFewestExposures)
+    return InputError(list.source + ": frames of kind \"flat\" at " +
+                      std::to_string(list.series.size()) +
+                      " exposures, allowed are at least 3: take an evenly lit surface from nearly "
+                      "black to clipped, twice each");
+  if (card && grey.empty())
+    return InputError("--card: " + list.source + " has no frames of kind \"grey\"");
+  if (card) list.grey_card = GreyCard{std::move(grey), *card};
   return list;
 }
 

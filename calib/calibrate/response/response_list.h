@@ -3,7 +3,8 @@
 //   bayer: RGGB            # optional: the pictures are mosaics
 //   white: 4095            # optional: DN of full scale; default by the pictures' bits
 //   gain_db: 0             # optional: of all of them
-//   series:                # one still scene in steady light, at least 3 exposures; for the noise two
+//   series:                # one still scene in steady light, at least 3 exposures; for the noise
+//   two
 //   - exposure_us: 1000    # pictures or more of most
 //     images: [e1000_a.png, e1000_b.png]
 //   dark: [d1.png, d2.png]                # optional: lens cap on
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "rig/session/raw_capture.h"
 
 namespace turnlight::calib::calibrate::response {
 
@@ -38,11 +40,20 @@ struct ResponseList {
   double gain_db = 0.0;
   std::vector<ListedGroup> series;  // by exposure
   ListedGroup dark, flat;
+  // Without flat frames: the series shows an evenly lit surface, and its brightest exposure that is
+  // not clipped will do.
+  bool series_is_flat = false;
   std::optional<GreyCard> grey_card;
 };
 
 // path: the file, or a folder with response.yaml or response.json. Fails (kInput) with file, key,
 // value and what is allowed.
 Result<ResponseList> ReadResponseList(const std::filesystem::path& path);
+
+// That of a raw capture: frames of kind "flat" at several exposures are the series of an evenly lit
+// surface, "dark" and "grey" what they say. card: where the grey card is. Fails (kInput) with what
+// the capture lacks, or if gains or pictures differ.
+Result<ResponseList> ListOfCapture(const rig::RawCapture& capture,
+                                   const std::optional<cv::Rect>& card);
 
 }  // namespace turnlight::calib::calibrate::response

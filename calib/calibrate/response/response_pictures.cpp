@@ -13,6 +13,7 @@ using plot::Tick;
 
 constexpr int kChartLeft = 100, kChartWidth = 820, kChartHeight = 520, kBelowChart = 66;
 constexpr double kPointRadius = 2.6;
+constexpr double kDarkest = 1e-3;  // of the brightest
 
 const cv::Vec3b kGreyInk(70, 70, 70), kRedInk(196, 62, 52), kGreenInk(56, 140, 72),
     kBlueInk(52, 98, 190), kPaleInk(190, 190, 190);
@@ -82,8 +83,8 @@ cv::Mat3b DrawMap(const cv::Mat1d& values, const cv::Size& shown,
   cv::Mat3b map(shown);
   for (int row = 0; row < shown.height; ++row)
     for (int column = 0; column < shown.width; ++column)
-      map(row, column) = colour(values(row * values.rows / shown.height,
-                                       column * values.cols / shown.width));
+      map(row, column) =
+          colour(values(row * values.rows / shown.height, column * values.cols / shown.width));
   return map;
 }
 
@@ -94,13 +95,15 @@ cv::Mat3b DrawPhotonTransfer(const PhotonTransfer& transfer,
   Chart chart("Photon transfer: the noise of one picture over the light");
   double low = HUGE_VAL, high = 0.0, least = HUGE_VAL, most = 0.0;
   for (const TransferPoint& point : transfer.points) {
-    if (!(point.signal > 0.0 && point.variance > 0.0)) continue;
-    low = std::min(low, point.signal);
     high = std::max(high, point.signal);
+  }
+  for (const TransferPoint& point : transfer.points) {
+    // Dark frames have no place on a logarithmic axis.
+    if (!(point.signal > kDarkest * high && point.variance > 0.0)) continue;
+    low = std::min(low, point.signal);
     least = std::min(least, point.variance);
     most = std::max(most, point.variance);
   }
-  low = std::max(low, 1e-4 * high);  // dark frames have hardly any light
   const plot::LogAxis x = plot::LogAxisAround(low, high), y = plot::LogAxisAround(least, most);
   chart.DrawAxes(Mirrored(plot::LogTicks(x)), plot::LogTicks(y), "light, linear DN above black",
                  "variance, DN^2");
@@ -113,8 +116,8 @@ cv::Mat3b DrawPhotonTransfer(const PhotonTransfer& transfer,
   std::vector<cv::Point2d> line;
   for (int i = 0; i <= 200; ++i) {
     const double signal = std::pow(10.0, x.low + (x.high - x.low) * i / 200.0);
-    const double variance = transfer.read_noise_dn * transfer.read_noise_dn +
-                            transfer.dn_per_electron * signal;
+    const double variance =
+        transfer.read_noise_dn * transfer.read_noise_dn + transfer.dn_per_electron * signal;
     const double down = y.At(variance);
     if (chart.Holds(i / 200.0, down)) line.push_back(chart.At(i / 200.0, down));
   }
@@ -188,11 +191,11 @@ cv::Mat3b DrawFlatField(const FlatField& flat, const cv::Size& size) {
                         colour, ticks);
   };
   bar(left, plot::SequentialColour,
-      {{0.0, plot::FormatFixed(1.0, 2)},
+      {{1.0, plot::FormatFixed(1.0, 2)},
        {0.5, plot::FormatFixed(0.5 * (1.0 + low), 3)},
-       {1.0, plot::FormatFixed(low, 2)}});
+       {0.0, plot::FormatFixed(low, 2)}});
   bar(right, [](double t) { return plot::DivergingColour(2.0 * t - 1.0); },
-      {{0.0, plot::FormatNumber(worst)}, {0.5, "0"}, {1.0, plot::FormatNumber(-worst)}});
+      {{1.0, plot::FormatNumber(worst)}, {0.5, "0"}, {0.0, plot::FormatNumber(-worst)}});
   plot::DrawText(page,
                  "darkest corner " + plot::FormatFixed(flat.corner_share, 3) + ", centre at (" +
                      plot::FormatFixed(flat.vignetting.center_x, 0) + ", " +

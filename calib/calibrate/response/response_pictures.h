@@ -8,7 +8,8 @@
 namespace turnlight::calib::calibrate::response {
 
 // The noise's variance over the light, both logarithmic, with the fitted line.
-cv::Mat3b DrawPhotonTransfer(const PhotonTransfer& transfer, const std::vector<std::string>& planes);
+cv::Mat3b DrawPhotonTransfer(const PhotonTransfer& transfer,
+                             const std::vector<std::string>& planes);
 // Each block's deviation from proportional light, as taken and as if it were linear.
 cv::Mat3b DrawLinearity(const ResponseCurve& curve);
 // The share of the centre's light as measured, and what the fit leaves.

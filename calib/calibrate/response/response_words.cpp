@@ -9,8 +9,8 @@
 namespace turnlight::calib::calibrate::response {
 namespace {
 
-constexpr double kFlickerTold = 2e-3;      // of the light
-constexpr double kMostGainSpread = 0.1;    // between colours
+constexpr double kFlickerTold = 2e-3;    // of the light
+constexpr double kMostGainSpread = 0.1;  // between colours
 constexpr double kMostTransferChi = 2.0;
 
 const EncodingTrial& TrialOf(const ResponseCurve& curve, const std::string& name) {
@@ -59,46 +59,56 @@ void AddNoiseWords(const Response& response, std::vector<std::string>& words) {
     return;
   }
   const PhotonTransfer& transfer = *response.transfer;
-  std::string text = Format("noise: %.4g +- %.2g DN per electron, read noise %.3g +- %.2g DN (%.3g "
-                            "electrons)",
-                            transfer.dn_per_electron, transfer.GainSigma(), transfer.read_noise_dn,
-                            transfer.ReadSigma(), transfer.read_noise_dn / transfer.dn_per_electron);
+  std::string text = Format(
+      "noise: %.4g +- %.2g DN per electron, read noise %.3g +- %.2g DN (%.3g "
+      "electrons)",
+      transfer.dn_per_electron, transfer.GainSigma(), transfer.read_noise_dn, transfer.ReadSigma(),
+      transfer.read_noise_dn / transfer.dn_per_electron);
   if (response.saturation)
-    text += Format(", saturation at %.4g electrons", SaturationElectrons(response, *response.saturation));
+    text += Format(", saturation at %.4g electrons",
+                   SaturationElectrons(response, *response.saturation));
   words.push_back(text);
   if (!transfer.read_noise_found)
     words.push_back("read noise: below what these pictures show; add dark frames");
   if (transfer.rounded_away)
-    words.push_back("some pictures' noise is smaller than a DN's rounding and was not used; more "
-                    "bits or a higher gain would show it");
+    words.push_back(
+        "some pictures' noise is smaller than a DN's rounding and was not used; more "
+        "bits or a higher gain would show it");
   if (transfer.chi > kMostTransferChi)
-    words.push_back(Format("the noise is no straight line of the light (chi %.1f): sigmas are larger "
-                           "for it; pictures that were sharpened, denoised, compressed or "
-                           "demosaiced look so",
-                           transfer.chi));
-  const auto [least, most] = std::minmax_element(transfer.by_plane.begin(), transfer.by_plane.end());
+    words.push_back(
+        Format("the noise is no straight line of the light (chi %.1f): sigmas are larger "
+               "for it; pictures that were sharpened, denoised, compressed or "
+               "demosaiced look so",
+               transfer.chi));
+  const auto [least, most] =
+      std::minmax_element(transfer.by_plane.begin(), transfer.by_plane.end());
   if (*least > 0.0 && *most > (1.0 + kMostGainSpread) * *least)
-    words.push_back(Format("the colours' gains differ, %.3g to %.3g DN per electron: the camera "
-                           "multiplies them; switch its own white balance off",
-                           *least, *most));
+    words.push_back(
+        Format("the colours' gains differ, %.3g to %.3g DN per electron: the camera "
+               "multiplies them; switch its own white balance off",
+               *least, *most));
   if (response.planes.size() == 3)
-    words.push_back("pictures of three channels: where the camera interpolated colours, the noise is "
-                    "less than a pixel's own; take raw mosaics if it gives them");
+    words.push_back(
+        "pictures of three channels: where the camera interpolated colours, the noise is "
+        "less than a pixel's own; take raw mosaics if it gives them");
 }
 
 void AddFlatWords(const FlatField& flat, std::vector<std::string>& words) {
   if (!flat.significant) {
-    words.push_back(Format("vignetting: none; the darkest corner has %.4g +- %.2g of the centre's "
-                           "light",
-                           flat.corner_share, flat.corner_sigma));
+    words.push_back(
+        Format("vignetting: none; the darkest corner has %.4g +- %.2g of the centre's "
+               "light",
+               flat.corner_share, flat.corner_sigma));
     return;
   }
-  words.push_back(Format("vignetting: the darkest corner has %.3f +- %.2g of the centre's light; the "
-                         "map leaves %.2g %% (rms)",
-                         flat.corner_share, flat.corner_sigma, 100.0 * flat.rms));
+  words.push_back(
+      Format("vignetting: the darkest corner has %.3f +- %.2g of the centre's light; the "
+             "map leaves %.2g %% (rms)",
+             flat.corner_share, flat.corner_sigma, 100.0 * flat.rms));
   if (!flat.center_known)
-    words.push_back("the flat frames' brightest place is far from the picture's middle, which was "
-                    "taken as the centre: the surface is not evenly lit, or the lens is not centred");
+    words.push_back(
+        "the flat frames' brightest place is far from the picture's middle, which was "
+        "taken as the centre: the surface is not evenly lit, or the lens is not centred");
 }
 
 }  // namespace
@@ -113,11 +123,13 @@ double SaturationElectrons(const Response& response, double saturation_dn) {
 std::vector<std::string> WordsOf(const Response& response) {
   std::vector<std::string> words{LinearityWords(response.curve)};
   if (!response.curve.explained)
-    words.push_back("no encoding explains the series down to noise and 0.1 % of the light: the lamp, "
-                    "the scene or the exposure times were not steady; take it again");
-  const std::string black = Format("black: %.4g +- %.2g DN", response.radiometry.black,
-                                   response.curve.black_sigma);
-  words.push_back(response.dark ? black : black + ", from the series; dark frames would tell it better");
+    words.push_back(
+        "no encoding explains the series down to noise and 0.1 % of the light: the lamp, "
+        "the scene or the exposure times were not steady; take it again");
+  const std::string black =
+      Format("black: %.4g +- %.2g DN", response.radiometry.black, response.curve.black_sigma);
+  words.push_back(response.dark ? black
+                                : black + ", from the series; dark frames would tell it better");
   words.push_back(response.saturation
                       ? Format("saturation: from %.6g DN on", *response.saturation)
                       : Format("saturation: no picture is clipped; white, %.6g DN, was taken",
@@ -129,9 +141,10 @@ std::vector<std::string> WordsOf(const Response& response) {
                            balance->balance[0], balance->sigma[0], balance->balance[2],
                            balance->sigma[2]));
   if (response.flicker > kFlickerTold)
-    words.push_back(Format("flicker: the light changes by up to %.2g %% between the two pictures of a "
-                           "pair; it was taken out of the noise, but not out of the linearity",
-                           100.0 * response.flicker));
+    words.push_back(
+        Format("flicker: the light changes by up to %.2g %% between the two pictures of a "
+               "pair; it was taken out of the noise, but not out of the linearity",
+               100.0 * response.flicker));
   return words;
 }
 

@@ -1,5 +1,5 @@
-// Proves: picked corners are read, as corners of a plane seen from the front, and what is wrong with
-// the file is told with its line.
+// Proves: picked corners are read, as corners of a plane seen from the front, and what is wrong
+// with the file is told with its line.
 #include "calib/calibrate/handheld/corners_file.h"
 
 #include <gmock/gmock.h>
@@ -30,8 +30,10 @@ TEST(CornersFile, CornersAreThoseOfThePlaneSeenFromTheFront) {
 }
 
 TEST(CornersFile, WhatIsWrongIsToldWithItsLine) {
-  EXPECT_THAT(Read("size: [300, 0]\npictures: []\n").error().text, HasSubstr("corners.yaml:1: size"));
-  const auto three = Read("size: [300, 200]\npictures:\n  - {image: a.png, corners: [[1, 2], [3, 4], [5, 6]]}\n");
+  EXPECT_THAT(Read("size: [300, 0]\npictures: []\n").error().text,
+              HasSubstr("corners.yaml:1: size"));
+  const auto three =
+      Read("size: [300, 200]\npictures:\n  - {image: a.png, corners: [[1, 2], [3, 4], [5, 6]]}\n");
   ASSERT_FALSE(three);
   EXPECT_THAT(three.error().text, HasSubstr("corners.yaml:3: "));
   EXPECT_FALSE(Read("size: [300, 200]\npictures:\n  - {image: a.png, corner: 3}\n"));

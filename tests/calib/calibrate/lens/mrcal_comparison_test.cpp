@@ -42,13 +42,19 @@ std::string UncertaintyFile(const LensCalibration& calibration) {
 }
 
 std::string FitFile(const LensCalibration& calibration) {
-  std::string text = Format("{\"warp\": [%.17g, %.17g], \"poses\": [", calibration.warp.x(),
-                            calibration.warp.y());
+  std::string text =
+      Format("{\"warp\": [%.17g, %.17g], \"poses\": [", calibration.warp.x(), calibration.warp.y());
   for (const FittedView& view : calibration.views) {
     const std::vector<double> rows = RowsFromPose(view.X_CB);
     for (std::size_t i = 0; i < 12; ++i)
-      text += Format("%s%.17g%s", i == 0 ? "[[" : i % 4 == 0 ? "[" : "", rows[i],
-                     i == 11 ? "]]," : i % 4 == 3 ? "]," : ",");
+      text += Format("%s%.17g%s",
+                     i == 0       ? "[["
+                     : i % 4 == 0 ? "["
+                                  : "",
+                     rows[i],
+                     i == 11      ? "]],"
+                     : i % 4 == 3 ? "],"
+                                  : ",");
   }
   text.back() = ']';
   return text + "}";
@@ -69,11 +75,10 @@ void CompareWithMrcal(const std::string& how_compared, const std::string& lens_m
   ASSERT_TRUE(WriteFileAtomic(path / "ours.cameramodel", ours->camera().ToString()));
   ASSERT_TRUE(WriteFileAtomic(path / "uncertainty.txt", UncertaintyFile(*ours)));
   ASSERT_TRUE(WriteFileAtomic(path / "fit.json", FitFile(*ours)));
-  const std::string command =
-      "/usr/bin/python3 " TURNLIGHT_SOURCE_DIR
-      "/tests/calib/calibrate/lens/compare_with_mrcal.py " +
-      how_compared + " " + path.string() + " " + lens_model + " 1800 20 10 10 2000 1400 > " +
-      (path / "out.txt").string();
+  const std::string command = "/usr/bin/python3 " TURNLIGHT_SOURCE_DIR
+                              "/tests/calib/calibrate/lens/compare_with_mrcal.py " +
+                              how_compared + " " + path.string() + " " + lens_model +
+                              " 1800 20 10 10 2000 1400 > " + (path / "out.txt").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::istringstream lines(*ReadFile(path / "out.txt"));
   std::map<std::string, double> values;

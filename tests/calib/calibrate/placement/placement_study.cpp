@@ -38,7 +38,8 @@ void Study(const calib::TargetShape& shape, const OutlineNoise& noise, int draws
     ASSERT_TRUE(placed) << placed.error().text;
     errors[i] = ErrorOf(placed->X_AT, truth);
     if (std::holds_alternative<calib::PlaneShape>(shape)) {
-      const calib::Pose half = truth * calib::Turn(Eigen::Vector3d::UnitZ(), 3.14159265358979323846);
+      const calib::Pose half =
+          truth * calib::Turn(Eigen::Vector3d::UnitZ(), 3.14159265358979323846);
       const auto other = ErrorOf(placed->X_AT, half);
       if (other.norm() < errors[i].norm()) errors[i] = other;
     }

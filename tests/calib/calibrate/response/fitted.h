@@ -51,8 +51,8 @@ inline Result<Fitted> FitSeries(const SimulatedSensor& sensor, const Series& tak
   auto curve = FitResponseCurve(taken.series, out.black, sensor.White(), out.saturation);
   if (!curve) return Forward(curve);
   out.curve = *curve;
-  auto transfer = FitPhotonTransfer(taken.series, taken.dark, curve->radiometry,
-                                    curve->black_sigma, out.saturation);
+  auto transfer = FitPhotonTransfer(taken.series, taken.dark, curve->radiometry, curve->black_sigma,
+                                    out.saturation);
   if (!transfer) return Forward(transfer);
   out.transfer = *transfer;
   return out;

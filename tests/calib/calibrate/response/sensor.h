@@ -14,10 +14,10 @@ struct SimulatedSensor {
   int bits = 12;
   double full_well = 10000.0;  // electrons at a linear share of 1
   double read_electrons = 5.0;
-  double black = 64.0;                            // DN
-  double saturation = 4095.0;                     // DN, at most the largest number
-  double prnu = 0.01;                             // pixels' own gains
-  double hot = 0.0;                               // share of pixels that are stuck bright
+  double black = 64.0;         // DN
+  double saturation = 4095.0;  // DN, at most the largest number
+  double prnu = 0.01;          // pixels' own gains
+  double hot = 0.0;            // share of pixels that are stuck bright
   std::function<double(double)> encode = [](double x) { return x; };  // linear to stored share
 
   double White() const { return std::pow(2.0, bits) - 1.0; }
@@ -36,7 +36,7 @@ inline cv::Mat1d Ramp(cv::Size size, double low, double high) {
 inline cv::Mat Expose(const SimulatedSensor& sensor, const cv::Mat1d& scene, double exposure,
                       std::uint64_t seed) {
   std::mt19937_64 random(seed * 7919 + 17);
-  std::mt19937_64 pattern(4711);  // the same for every picture
+  std::mt19937_64 pattern(4711);                        // the same for every picture
   std::normal_distribution<double> normal, own_normal;  // each keeps a number back
   std::uniform_real_distribution<double> uniform;
   cv::Mat image(scene.size(), sensor.bits > 8 ? CV_16U : CV_8U);
