@@ -29,6 +29,7 @@ void AddHome(CLI::App& program, Action& action);
 void AddJog(CLI::App& program, Action& action);
 void AddSnap(CLI::App& program, Action& action);
 void AddDoctor(CLI::App& program, Action& action);
+void AddRegister(CLI::App& program, Action& action);
 void AddCalibrate(CLI::App& program, Action& action);
 
 // A command with its help, an example below it, and --threads.

@@ -40,6 +40,7 @@ void Configure(CLI::App& program, Action& action) {
   AddJog(program, action);
   AddSnap(program, action);
   AddDoctor(program, action);
+  AddRegister(program, action);
   AddCalibrate(program, action);
 }
 

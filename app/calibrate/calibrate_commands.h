@@ -9,7 +9,9 @@
 namespace turnlight::app {
 
 // One line for each part.
+void AddCalibrateAxis(CLI::App& calibrate, Action& action);
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
+void AddCalibrateTarget(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

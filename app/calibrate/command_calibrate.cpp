@@ -7,8 +7,10 @@ void AddCalibrate(CLI::App& program, Action& action) {
   CLI::App* calibrate = program.add_subcommand(
       "calibrate", "From pictures to a rig's calibration, each part with its uncertainty");
   calibrate->require_subcommand(1);
+  AddCalibrateAxis(*calibrate, action);
   AddCalibrateCapture(*calibrate, action);
   AddCalibrateResponse(*calibrate, action);
+  AddCalibrateTarget(*calibrate, action);
 }
 
 }  // namespace turnlight::app

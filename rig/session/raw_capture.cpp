@@ -143,8 +143,7 @@ Result<RawCapture> ReadRawCapture(const fs::path& path, RawPictures pictures) {
   if (!capture) return Forward(capture);
   for (std::size_t i = 0; i < capture->frames.size(); ++i)
     if (pictures == RawPictures::kMustBeThere) {
-      if (const auto located = Locate(root, PathOf(*capture, i)); !located)
-        return Forward(located);
+      if (const auto located = Locate(root, PathOf(*capture, i)); !located) return Forward(located);
     } else if (const Status status = CheckRelative(PathOf(*capture, i), root); !status) {
       return Forward(status);
     }

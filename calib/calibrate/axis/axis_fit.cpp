@@ -30,6 +30,9 @@ constexpr std::size_t kFewestForMedian = 8;  // views whose deviations are judge
 constexpr int kMostRounds = 20;
 // To begin with; the data decide.
 constexpr double kFirstAngleNoise = DegToRad(0.1) / 0.3;  // radians by pixels
+// Of -2 log likelihood: odds of 20000 to 1.
+constexpr double kDecisive = 20.0;
+constexpr double kLeastAngle = DegToRad(1e-4);
 constexpr double kSettled = 1e-3;  // relative change of the noise
 
 struct Guesses {
@@ -76,8 +79,8 @@ std::size_t DistinctAngles(const std::vector<double>& angles_deg) {
 Status CheckEnough(const std::vector<double>& angles_deg, std::size_t views, bool fits_backlash) {
   const std::size_t distinct = DistinctAngles(angles_deg);
   const std::size_t fewest = kFewestViews + (fits_backlash ? 1 : 0);
-  const std::string count = std::to_string(angles_deg.size()) + " of " + std::to_string(views) +
-                            " views can be used";
+  const std::string count =
+      std::to_string(angles_deg.size()) + " of " + std::to_string(views) + " views can be used";
   if (angles_deg.size() < fewest)
     return NoEstimateError(count + ", allowed are at least " + std::to_string(fewest) +
                            ": with fewer the noise of the angles cannot be told from the scale" +
@@ -196,8 +199,7 @@ Status Solve(const CameraModel& camera, double angle_noise, AxisFit& fit) {
     kept.push_back(view->kept);
     fit.state.deviations.push_back(view->deviation);
   }
-  const Status status =
-      FitTurning(camera, kept, angle_noise, fit.fits_backlash, fit.state);
+  const Status status = FitTurning(camera, kept, angle_noise, fit.fits_backlash, fit.state);
   if (!status) return status;
   fit.sums.assign(used.size(), {});
   for (std::size_t i = 0; i < used.size(); ++i) {
@@ -207,9 +209,8 @@ Status Solve(const CameraModel& camera, double angle_noise, AxisFit& fit) {
     const Eigen::VectorXd y = linear.residuals - deviation * z;
     const Eigen::MatrixXd X = linear.by_step.leftCols(fit.columns);
     ViewSums& sums = fit.sums[i];
-    sums = {X.transpose() * X, X.transpose() * z,   X.transpose() * y,
-            z.squaredNorm(),   z.dot(y),            y.squaredNorm(),
-            static_cast<int>(y.size()), kept[i].free_angle};
+    sums = {X.transpose() * X, X.transpose() * z, X.transpose() * y,          z.squaredNorm(),
+            z.dot(y),          y.squaredNorm(),   static_cast<int>(y.size()), kept[i].free_angle};
     used[i]->free_deviation = -sums.zy / sums.zz;
     used[i]->free_sigma = 1.0 / std::sqrt(sums.zz);
   }
@@ -218,13 +219,32 @@ Status Solve(const CameraModel& camera, double angle_noise, AxisFit& fit) {
   return {};
 }
 
+// The median of what the points of a view say of its deviation, weighted by how far they move with
+// it: points that lie off do not draw it away from the good ones.
+double RobustDeviation(const TurningState& state, const CameraModel& camera, const FitView& view) {
+  const ViewLinearization linear = Linearize(state, camera, view.all, view.deviation);
+  std::vector<std::pair<double, double>> says;  // deviation, weight
+  double half = 0.0;
+  for (Eigen::Index i = 0; i + 1 < linear.residuals.size(); i += 2) {
+    const Eigen::Vector2d z = linear.by_deviation.segment<2>(i);
+    if (!(z.squaredNorm() > 0.0)) continue;
+    says.emplace_back(-z.dot(linear.residuals.segment<2>(i)) / z.squaredNorm(), z.norm());
+    half += 0.5 * z.norm();
+  }
+  std::sort(says.begin(), says.end());
+  for (const auto& [deviation, weight] : says)
+    if ((half -= weight) <= 0.0) return view.deviation + deviation;
+  return view.deviation;
+}
+
 // Which points fit, all of the used views being judged by one sigma. Whether any changed.
 bool SiftPoints(const CameraModel& camera, AxisFit& fit) {
   std::vector<double> sizes;
   std::vector<std::vector<double>> of_view;
   const auto used = Used(fit);
   for (FitView* view : used) {
-    const auto residuals = Residuals(fit.state, camera, view->all, view->deviation);
+    const double deviation = RobustDeviation(fit.state, camera, *view);
+    const auto residuals = Residuals(fit.state, camera, view->all, deviation);
     std::vector<double>& of = of_view.emplace_back();
     for (std::size_t i = 0; i < residuals.size(); ++i) {
       const double size = residuals[i].norm() / view->all.points[i].spread;
@@ -239,8 +259,8 @@ bool SiftPoints(const CameraModel& camera, AxisFit& fit) {
     for (const double size : of_view[i]) fits.push_back(size <= kOutlierSigmas * sigma);
     changed = changed || fits != used[i]->fits;
     used[i]->fits = std::move(fits);
-    const auto good = static_cast<std::size_t>(
-        std::count(used[i]->fits.begin(), used[i]->fits.end(), true));
+    const auto good =
+        static_cast<std::size_t>(std::count(used[i]->fits.begin(), used[i]->fits.end(), true));
     if (2 * good > used[i]->fits.size() && good >= kFewestPoints) continue;
     used[i]->used = false;
     std::vector<double> of = of_view[i];
@@ -262,8 +282,7 @@ bool SiftAngles(AxisFit& fit) {
   FitView* worst = nullptr;
   double most = kOutlierSigmas;
   for (FitView* view : used) {
-    const double ratio =
-        std::abs(view->free_deviation) / std::hypot(spread, view->free_sigma);
+    const double ratio = std::abs(view->free_deviation) / std::hypot(spread, view->free_sigma);
     if (view->all.free_angle || !(ratio > most)) continue;
     most = ratio;
     worst = view;
@@ -295,24 +314,51 @@ Status Sift(const CameraModel& camera, const std::vector<AxisView>& views, AxisF
   return Solve(camera, angle_noise, fit);
 }
 
+// -2 log likelihood but for constants: how well corners and angles fit.
+double Misfit(const AxisFit& fit) {
+  return 2.0 * (fit.noise.corner_freedom * std::log(fit.noise.corner) +
+                fit.noise.angle_freedom * std::log(std::max(fit.noise.angle, kLeastAngle)));
+}
+
+// Of the board that turns one way and of the same turning the other.
+Result<AxisFit> Better(std::vector<Result<AxisFit>> fits, std::size_t sides) {
+  if (fits.size() == 1 || !fits[1]) return std::move(fits[0]);
+  if (!fits[0]) return std::move(fits[1]);
+  const std::size_t used[] = {Used(*fits[0]).size(), Used(*fits[1]).size()};
+  if (used[0] != used[1]) return std::move(fits[used[0] > used[1] ? 0 : 1]);
+  const double misfits[] = {Misfit(*fits[0]), Misfit(*fits[1])};
+  if (std::abs(misfits[0] - misfits[1]) > kDecisive)
+    return std::move(fits[misfits[0] < misfits[1] ? 0 : 1]);
+  return NoEstimateError(
+      "the board looks the same from " + std::to_string(sides) +
+      " sides, and the angles do not tell which way it turns; take views at angles that are no "
+      "multiples of " +
+      NumberText(180.0 / static_cast<double>(sides)) + " degrees apart");
+}
+
 }  // namespace
 
 Result<AxisFit> FitAxis(const board::Board& board, const CameraModel& camera,
                         const std::vector<AxisView>& views) {
-  AxisFit fit;
-  fit.views.resize(views.size());
-  const Guesses guesses = GuessAll(board, camera, views, fit.views);
+  AxisFit begin;
+  begin.views.resize(views.size());
+  const Guesses guesses = GuessAll(board, camera, views, begin.views);
   std::vector<double> angles;
   for (const std::size_t view : guesses.of) angles.push_back(views[view].angle_deg);
   if (const Status status = CheckEnough(angles, views.size(), false); !status)
     return Forward(status);
   const std::vector<Pose> turns = SameLookingTurns(board);
-  const auto turning = FindTurning(guesses.views, turns);
-  if (!turning) return Forward(turning);
-  Place(board, views, guesses, turns, *turning, fit);
-  SetApproaches(views, fit);
-  if (const Status status = Sift(camera, views, fit); !status) return Forward(status);
-  return fit;
+  const auto turnings = FindTurning(guesses.views, turns);
+  if (!turnings) return Forward(turnings);
+  std::vector<Result<AxisFit>> fits;
+  for (const TurningBoard& turning : *turnings) {
+    AxisFit fit = begin;
+    Place(board, views, guesses, turns, turning, fit);
+    SetApproaches(views, fit);
+    const Status status = Sift(camera, views, fit);
+    fits.push_back(status ? Result<AxisFit>(std::move(fit)) : Forward(status));
+  }
+  return Better(std::move(fits), turns.size());
 }
 
 }  // namespace turnlight::calib::calibrate::axis

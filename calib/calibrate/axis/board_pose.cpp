@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 
 #include "base/statistics.h"
+#include "calib/calibrate/board/number_lattice.h"
 #include "calib/rig_geometry.h"
 
 namespace turnlight::calib::calibrate::axis {
@@ -16,12 +16,14 @@ namespace {
 constexpr double kSmallestCosine = 0.1;
 constexpr std::size_t kFewestForHomography = 4;
 // Of a tilt's fit: a guess from a homography is no least-squares fit, so that this is wide.
-constexpr double kFarOff = 6.0;        // medians of the distances
+constexpr double kFarOff = 6.0;          // medians of the distances
 constexpr double kFarOffAtLeast = 2e-4;  // of the distance to the board: 0.2 px at 1000 px
 constexpr int kRounds = 3;
+// Of distances in the picture: a tilt that fits so much worse than the other is no candidate.
+constexpr double kWorseTilt = 2.0;
 
 struct Rays {
-  std::vector<std::size_t> place;       // in the view
+  std::vector<std::size_t> place;  // in the view
   std::vector<cv::Point3d> p_B;
   std::vector<cv::Point2d> normalised;  // in the camera D
   Eigen::Matrix3d R_CD;                 // D looks at the middle of the points
@@ -83,29 +85,40 @@ std::vector<Pose> Solve(const Rays& rays, const std::vector<bool>& fits) {
     const Eigen::Vector3d turn(w[0], w[1], w[2]), shift(t[0], t[1], t[2]);
     if (!turn.allFinite() || !shift.allFinite() || shift.z() <= 0.0) continue;
     const double angle = turn.norm();
-    const Pose X_DB{angle > 0.0 ? Turn(turn / angle, angle).rotation
-                                : Eigen::Matrix3d::Identity().eval(),
-                    shift};
+    const Pose X_DB{
+        angle > 0.0 ? Turn(turn / angle, angle).rotation : Eigen::Matrix3d::Identity().eval(),
+        shift};
     poses.push_back(Pose{rays.R_CD, Eigen::Vector3d::Zero()} * X_DB);
   }
   return poses;
 }
 
-// Which points of the view lie near where the pose has them; of the others the fit should be free.
-std::vector<bool> Fitting(const Rays& rays, const Pose& X_CB, std::size_t places) {
-  std::vector<double> miss;
+// How far each point is from where the pose has it, in the picture of D.
+std::vector<double> Misses(const Rays& rays, const Pose& X_CB) {
+  std::vector<double> misses;
   for (std::size_t i = 0; i < rays.place.size(); ++i) {
     const Eigen::Vector3d p_D =
         rays.R_CD.transpose() *
         (X_CB * Eigen::Vector3d(rays.p_B[i].x, rays.p_B[i].y, rays.p_B[i].z));
-    miss.push_back(std::hypot(p_D.x() / p_D.z() - rays.normalised[i].x,
-                              p_D.y() / p_D.z() - rays.normalised[i].y));
+    misses.push_back(std::hypot(p_D.x() / p_D.z() - rays.normalised[i].x,
+                                p_D.y() / p_D.z() - rays.normalised[i].y));
   }
-  std::vector<double> sorted = miss;
+  return misses;
+}
+
+// Which points of the view lie near where the pose has them; of the others the fit should be free.
+std::vector<bool> Fitting(const Rays& rays, const Pose& X_CB, std::size_t places) {
+  const std::vector<double> misses = Misses(rays, X_CB);
+  std::vector<double> sorted = misses;
   const double limit = std::max(kFarOff * Median(sorted), kFarOffAtLeast);
   std::vector<bool> fits(places, false);
-  for (std::size_t i = 0; i < rays.place.size(); ++i) fits[rays.place[i]] = miss[i] <= limit;
+  for (std::size_t i = 0; i < misses.size(); ++i) fits[rays.place[i]] = misses[i] <= limit;
   return fits;
+}
+
+double MedianMiss(const Rays& rays, const Pose& X_CB) {
+  std::vector<double> misses = Misses(rays, X_CB);
+  return Median(misses);
 }
 
 }  // namespace
@@ -121,21 +134,22 @@ BoardPoses GuessBoardPoses(const board::Board& board, const CameraModel& camera,
     if (guess.X_CB.empty()) break;
     guess.fits = Fitting(rays, guess.X_CB.front(), view.points.size());
   }
+  if (guess.X_CB.size() > 1 &&
+      MedianMiss(rays, guess.X_CB[1]) > kWorseTilt * MedianMiss(rays, guess.X_CB[0]))
+    guess.X_CB.resize(1);
   return guess;
 }
 
 std::vector<Pose> SameLookingTurns(const board::Board& board) {
-  if (board.kind != board::BoardKind::kChessboard) return {Pose()};
-  const int sides = board.columns == board.rows ? 4 : 2;
-  const Pose to_middle{Eigen::Matrix3d::Identity(),
-                       0.5 * board.spacing *
-                           Eigen::Vector3d(board.columns - 1.0, board.rows - 1.0, 0.0)};
+  const auto points = BoardPoints(board);
   std::vector<Pose> turns;
-  for (int side = 0; side < sides; ++side)
-    turns.push_back(
-        to_middle *
-        Turn(Eigen::Vector3d::UnitZ(), 2.0 * std::numbers::pi * side / sides) *
-        to_middle.Inverse());
+  for (const std::vector<std::size_t>& way : SameLookingNumberings(board)) {
+    Pose turn;
+    turn.translation = points[way[0]];
+    turn.rotation.col(0) = (points[way[1]] - points[way[0]]).normalized();
+    turn.rotation.col(1) = Eigen::Vector3d::UnitZ().cross(turn.rotation.col(0));
+    turns.push_back(turn);
+  }
   return turns;
 }
 

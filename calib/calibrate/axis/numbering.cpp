@@ -21,9 +21,6 @@ constexpr double kAngleTolerance = DegToRad(4.0);
 // Two views this far apart, or as near to a whole turn, tell no axis.
 constexpr double kSmallestTurn = DegToRad(0.5);
 constexpr std::size_t kMostSeedViews = 40;
-// Of sums of squared angles; other axes than the true one fit much worse than this.
-constexpr double kAmbiguousRatio = 2.0;
-constexpr double kAmbiguousFloor = 1e-4;  // rad^2 a view: half a degree
 
 double Wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
@@ -74,12 +71,11 @@ Walk WalkViews(const std::vector<TurningView>& views, const std::vector<Pose>& t
   walk.board.choices[reference] = {0, reference_tilt, 0.0, 0.0, true};
   const auto at = std::find(order.begin(), order.end(), reference);
   const auto visit = [&](std::size_t from, std::size_t to) {
-    const double expected = walk.board.choices[from].turned +
-                            DegToRad(views[to].angle_deg - views[from].angle_deg);
+    const double expected =
+        walk.board.choices[from].turned + DegToRad(views[to].angle_deg - views[from].angle_deg);
     walk.board.choices[to] = Choose(views[to], turns, R_CB, u, expected);
-    const double off = walk.board.choices[to].fits
-                           ? DegToRad(walk.board.choices[to].off_deg)
-                           : kOff;
+    const double off =
+        walk.board.choices[to].fits ? DegToRad(walk.board.choices[to].off_deg) : kOff;
     walk.cost += off * off;
   };
   for (auto to = at + 1; to != order.end(); ++to) visit(*(to - 1), *to);
@@ -117,8 +113,7 @@ std::vector<Seed> SeedsOf(const std::vector<TurningView>& views, const std::vect
   std::vector<std::size_t> others(views.size());
   std::iota(others.begin(), others.end(), std::size_t{0});
   const auto tells = [&](std::size_t view) {
-    return std::abs(
-        std::sin(0.5 * DegToRad(views[view].angle_deg - views[reference].angle_deg)));
+    return std::abs(std::sin(0.5 * DegToRad(views[view].angle_deg - views[reference].angle_deg)));
   };
   std::erase_if(others, [&](std::size_t view) { return tells(view) < 0.5 * kSmallestTurn; });
   std::stable_sort(others.begin(), others.end(),
@@ -161,8 +156,8 @@ tl::unexpected<Error> NoTurning(std::size_t fitting, std::size_t views) {
 
 }  // namespace
 
-Result<TurningBoard> FindTurning(const std::vector<TurningView>& views,
-                                 const std::vector<Pose>& turns) {
+Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& views,
+                                              const std::vector<Pose>& turns) {
   std::vector<std::size_t> order(views.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&views](std::size_t a, std::size_t b) {
@@ -181,16 +176,18 @@ Result<TurningBoard> FindTurning(const std::vector<TurningView>& views,
         reverse = std::move(walk);
       }
     }
-  const std::size_t fitting = best ? Fitting(best->board) : 0;
-  if (2 * fitting <= views.size() || fitting < 2) return NoTurning(fitting, views.size());
-  const double floor = kAmbiguousFloor * static_cast<double>(views.size());
-  if (reverse && reverse->cost < kAmbiguousRatio * best->cost + floor)
-    return NoEstimateError(
-        "the board looks the same from " + std::to_string(turns.size()) +
-        " sides, and the angles do not tell which way it turns; take views at angles that are no "
-        "multiples of " + NumberText(180.0 / static_cast<double>(turns.size())) + " degrees apart");
-  best->board.scale = ScaleOf(views, best->board);
-  return best->board;
+  std::vector<TurningBoard> boards;
+  std::size_t most = 0;
+  for (std::optional<Walk>* walk : {&best, &reverse}) {
+    if (!*walk) continue;
+    const std::size_t fitting = Fitting((*walk)->board);
+    most = std::max(most, fitting);
+    if (2 * fitting <= views.size() || fitting < 2) continue;
+    (*walk)->board.scale = ScaleOf(views, (*walk)->board);
+    boards.push_back(std::move((*walk)->board));
+  }
+  if (boards.empty()) return NoTurning(most, views.size());
+  return boards;
 }
 
 }  // namespace turnlight::calib::calibrate::axis

@@ -13,9 +13,11 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr int kCoarsest = 100;         // pixels; no scale is tried below
-constexpr double kSamePlace = 0.4;     // of the distance to the next corner
-constexpr double kSparse = 0.5;        // of the corners of the line next to it
+constexpr int kCoarsest = 100;      // pixels; no scale is tried below
+constexpr double kSamePlace = 0.4;  // of the distance to the next corner
+constexpr double kSparse = 0.5;     // of the corners of the line next to it
+
+constexpr double kEven = 0.35;  // of a square's width, from its edge
 
 struct Candidate {
   CornerLattice lattice;  // as found, or numbered
@@ -43,6 +45,11 @@ bool PeelSparseLine(CornerLattice& lattice) {
   return false;
 }
 
+bool TooLarge(const CornerLattice& lattice, const Board& board) {
+  return std::max(lattice.columns, lattice.rows) > std::max(board.columns, board.rows) ||
+         std::min(lattice.columns, lattice.rows) > std::min(board.columns, board.rows);
+}
+
 Candidate Judge(const cv::Mat& levelled, CornerLattice lattice, const Board& board) {
   RefineCorners(levelled, lattice);
   lattice = Trimmed(lattice);
@@ -51,7 +58,8 @@ Candidate Judge(const cv::Mat& levelled, CornerLattice lattice, const Board& boa
   Candidate candidate{lattice, false, ""};
   if (lattice.columns < 2 || lattice.rows < 2 || lattice.Count() < 4) return candidate;
   auto numbered = NumberLattice(levelled, lattice, board);
-  while (!numbered && PeelSparseLine(lattice)) numbered = NumberLattice(levelled, lattice, board);
+  while (!numbered && TooLarge(lattice, board) && PeelSparseLine(lattice))
+    numbered = NumberLattice(levelled, lattice, board);
   if (numbered) return {*numbered, true, ""};
   candidate.reason = numbered.error().text;
   return candidate;
@@ -88,8 +96,8 @@ bool Overlap(const CornerLattice& a, const CornerLattice& b) {
   return same >= 2;
 }
 
-// The best of those that lie over each other: numbered, then with the most corners, then of the finest
-// scale.
+// The best of those that lie over each other: numbered, then with the most corners, then of the
+// finest scale.
 std::vector<Candidate> BestApart(std::vector<Candidate> candidates) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     if (a.numbered != b.numbered) return a.numbered;
@@ -108,11 +116,11 @@ std::vector<Candidate> BestApart(std::vector<Candidate> candidates) {
 DetectedBoard BoardFrom(const cv::Mat& picture, const cv::Mat& levelled,
                         const CornerLattice& lattice) {
   DetectedBoard found;
-  found.edge_sigma = EdgeSigma(levelled, lattice);
-  found.saturated = SaturatedShare(picture, lattice, SaturationLevel(picture));
+  found.edge_sigma = EdgeSigma(levelled, EdgesOf(lattice, kEven));
   const double spread = SpreadOf(found.edge_sigma);
   for (std::size_t i = 0; i < lattice.corners.size(); ++i)
     if (lattice.corners[i]) found.view.points.push_back({i, *lattice.corners[i], spread});
+  found.saturated = SaturatedShare(picture, levelled, found.view);
   return found;
 }
 

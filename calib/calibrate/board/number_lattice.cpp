@@ -11,12 +11,12 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kEndAt = 0.08;      // of a square, around where the last one must end
+constexpr double kEndAt = 0.08;        // of a square, around where the last one must end
 constexpr double kMostSquares = 0.75;  // of one colour end there,
 constexpr double kFewSquares = 0.25;   // and of the other colour no more
 
-// Where the level along a line outwards from the middle of the last square first passes half way between
-// dark and bright; in squares from its inner edge, 2 where it does not.
+// Where the level along a line outwards from the middle of the last square first passes half way
+// between dark and bright; in squares from its inner edge, 2 where it does not.
 double EndOfSquare(const cv::Mat& picture, const Eigen::Matrix3d& homography,
                    const Eigen::Vector2d& inner, const Eigen::Vector2d& outwards, double middle) {
   const double here = LevelAt(picture, Map(homography, inner + 0.5 * outwards)) - middle;
@@ -27,8 +27,8 @@ double EndOfSquare(const cv::Mat& picture, const Eigen::Matrix3d& homography,
   return 2.0;
 }
 
-// Does the print end one square beyond the right side of the lattice? So it does where the squares of one
-// colour end there and those of the other go over into what is around.
+// Does the print end one square beyond the right side of the lattice? So it does where the squares
+// of one colour end there and those of the other go over into what is around.
 bool EndsAtRight(const cv::Mat& picture, const CornerLattice& lattice) {
   std::vector<Eigen::Vector2d> places, pixels;
   const int nearest = std::max(0, lattice.columns - 4);
@@ -53,15 +53,15 @@ bool EndsAtRight(const cv::Mat& picture, const CornerLattice& lattice) {
     ++squares[colour];
     ends[colour] += std::abs(end - 1.0) <= kEndAt;
   }
-  if (squares[0] < 1 || squares[1] < 1) return false;
+  if (squares[0] < 2 || squares[1] < 2) return false;
   const double bright = static_cast<double>(ends[0]) / squares[0];
   const double dark = static_cast<double>(ends[1]) / squares[1];
   return (bright >= kMostSquares && dark <= kFewSquares) ||
          (dark >= kMostSquares && bright <= kFewSquares);
 }
 
-// At which of the board's columns a lattice of fewer begins; -1 where it cannot be told, -2 where it ends on
-// both sides.
+// At which of the board's columns a lattice of fewer begins; -1 where it cannot be told, -2 where
+// it ends on both sides.
 constexpr int kNoEnd = -1;
 constexpr int kTwoEnds = -2;
 int FirstColumn(const cv::Mat& picture, const CornerLattice& lattice, int columns) {
@@ -119,15 +119,16 @@ Result<CornerLattice> NumberLattice(const cv::Mat& picture, const CornerLattice&
     fits = true;
     const int column = FirstColumn(picture, turned, board.columns);
     const int row = FirstColumn(picture, Turned(turned, 3), board.rows);
-    two_ends = two_ends || (column == kTwoEnds && row != kNoEnd) ||
-               (row == kTwoEnds && column != kNoEnd);
+    two_ends =
+        two_ends || (column == kTwoEnds && row != kNoEnd) || (row == kTwoEnds && column != kNoEnd);
     if (column >= 0 && row >= 0) ways.push_back(Placed(turned, board, column, row));
   }
   if (ways.empty() && (!fits || two_ends)) return InputError(OtherSize(lattice, board));
   if (ways.empty())
-    return InputError(Format("a part of a board, %d x %d inner corners, was left out: which of its "
-                             "%d x %d they are cannot be told, as none of its ends shows",
-                             lattice.columns, lattice.rows, board.columns, board.rows));
+    return InputError(
+        Format("a part of a board, %d x %d inner corners, was left out: which of its "
+               "%d x %d they are cannot be told, as none of its ends shows",
+               lattice.columns, lattice.rows, board.columns, board.rows));
   return *std::min_element(ways.begin(), ways.end(), [](const auto& a, const auto& b) {
     return Preference(a) < Preference(b);
   });

@@ -12,16 +12,16 @@
 namespace turnlight::calib::calibrate::board {
 
 // The lattice of a chessboard turned and placed so that corner (column, row) is point
-// row * columns + column of the board: the square before point 0 is dark if there is a turn for which it
-// is; of several such turns, that with point 0 furthest to the top left of the picture. Where rows or
-// columns are missing, the lattice must reach an end of the print that shows in the picture (CV_32F).
-// Fails with a reason in words: another size of grid, or no end in sight.
+// row * columns + column of the board: the square before point 0 is dark if there is a turn for
+// which it is; of several such turns, that with point 0 furthest to the top left of the picture.
+// Where rows or columns are missing, the lattice must reach an end of the print that shows in the
+// picture (CV_32F). Fails with a reason in words: another size of grid, or no end in sight.
 Result<CornerLattice> NumberLattice(const cv::Mat& picture, const CornerLattice& lattice,
                                     const Board& board);
 
-// Every way to number a chessboard's points that looks the same, the identity first: way[i] is the point that
-// is where point i was, after a turn that the colours of its squares allow. Four for 10 x 10, two for
-// 7 x 7 or 8 x 6, one for 9 x 6 and for boards with markers.
+// Every way to number a chessboard's points that looks the same, the identity first: way[i] is the
+// point that is where point i was, after a turn that the colours of its squares allow. Four for 10
+// x 10, two for 7 x 7 or 8 x 6, one for 9 x 6 and for boards with markers.
 std::vector<std::vector<std::size_t>> SameLookingNumberings(const Board& board);
 
 }  // namespace turnlight::calib::calibrate::board

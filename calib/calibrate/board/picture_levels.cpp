@@ -77,7 +77,7 @@ std::vector<std::string> RemarksOnLevels(const cv::Mat& picture) {
   const double low = Quantile(counts, 0.02);
   const double high = Quantile(counts, 0.98);
   const double white = static_cast<double>(counts.size() - 1);
-  constexpr double kFewLevels = 0.04;   // of white: what a dark or flat picture has
+  constexpr double kFewLevels = 0.04;  // of white: what a dark or flat picture has
   if (Quantile(counts, 0.5) >= SaturationLevel(picture))
     return {"overexposed: more than half of the picture is at the sensor's limit"};
   if (high - low < kFewLevels * white && high < kFewLevels * white && white < 256.0)

@@ -12,8 +12,8 @@ namespace turnlight::calib::calibrate::board {
 // Fails (kInput) unless it is grey, 8 or 16 bits, of at least 32 x 32 pixels.
 Status CheckPicture(const cv::Mat& picture);
 
-// CV_32F, 0 to 255: from the level that a thousandth of the pixels are below to that which as many are
-// above. picture: as CheckPicture accepts it.
+// CV_32F, 0 to 255: from the level that a thousandth of the pixels are below to that which as many
+// are above. picture: as CheckPicture accepts it.
 cv::Mat Levelled(const cv::Mat& picture);
 
 // The level at which the sensor ends, if pixels reach it: the picture's highest, where it is the

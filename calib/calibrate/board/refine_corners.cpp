@@ -38,6 +38,16 @@ Eigen::RowVectorXd CubicTerms(const Eigen::Vector2d& p) {
   return terms;
 }
 
+// Moved and scaled into -1..1, which keeps a cubic's terms apart.
+std::vector<Eigen::Vector2d> Normalised(const std::vector<Eigen::Vector2d>& places) {
+  Eigen::AlignedBox2d box;
+  for (const auto& place : places) box.extend(place);
+  const double half = std::max(box.sizes().maxCoeff() / 2.0, 1e-12);
+  std::vector<Eigen::Vector2d> normalised;
+  for (const auto& place : places) normalised.push_back((place - box.center()) / half);
+  return normalised;
+}
+
 struct PlaneFit {
   std::vector<Eigen::Vector2d> places, pixels;
   std::vector<double> weights;
@@ -86,8 +96,7 @@ std::optional<Eigen::Vector2d> RefineCorner(const cv::Mat& picture, const Eigen:
   if (corner.x() < half + 2 || corner.y() < half + 2 || corner.x() > picture.cols - half - 3 ||
       corner.y() > picture.rows - half - 3)
     return std::nullopt;
-  std::vector<cv::Point2f> points{
-      {static_cast<float>(corner.x()), static_cast<float>(corner.y())}};
+  std::vector<cv::Point2f> points{{static_cast<float>(corner.x()), static_cast<float>(corner.y())}};
   cv::cornerSubPix(picture, points, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-3});
   const Eigen::Vector2d refined(points[0].x, points[0].y);
@@ -114,23 +123,16 @@ void RefineCorners(const cv::Mat& picture, CornerLattice& lattice) {
     }
 }
 
-int DropOutliers(CornerLattice& lattice) {
-  PlaneFit fit;
-  std::vector<std::size_t> corners;
-  for (int row = 0; row < lattice.rows; ++row)
-    for (int column = 0; column < lattice.columns; ++column) {
-      if (!lattice.Has(column, row)) continue;
-      corners.push_back(lattice.Index(column, row));
-      fit.places.emplace_back(2.0 * column / (lattice.columns - 1.0) - 1.0,
-                              2.0 * row / (lattice.rows - 1.0) - 1.0);
-      fit.pixels.push_back(lattice.At(column, row));
-    }
-  fit.weights.assign(corners.size(), 1.0);
+std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
+                          const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<bool> regular(places.size(), true);
+  if (places.empty()) return regular;
+  PlaneFit fit{Normalised(places), pixels, std::vector<double>(places.size(), 1.0)};
   std::vector<double> misfits;
   double sigma = 0.0;
   for (int round = 0; round < 6; ++round) {
     const auto found = fit.Misfits();
-    if (!found) return 0;
+    if (!found) return regular;
     misfits = *found;
     sigma = std::max(RobustSigma(misfits), 0.02);
     for (std::size_t i = 0; i < misfits.size(); ++i) {
@@ -138,13 +140,24 @@ int DropOutliers(CornerLattice& lattice) {
       fit.weights[i] = 1.0 / (1.0 + ratio * ratio);
     }
   }
-  int dropped = 0;
-  for (std::size_t i = 0; i < misfits.size(); ++i) {
-    if (misfits[i] <= std::max(kAlwaysGood, kOutlier * sigma)) continue;
-    lattice.corners[corners[i]].reset();
-    ++dropped;
-  }
-  return dropped;
+  for (std::size_t i = 0; i < misfits.size(); ++i)
+    regular[i] = misfits[i] <= std::max(kAlwaysGood, kOutlier * sigma);
+  return regular;
+}
+
+void DropOutliers(CornerLattice& lattice) {
+  std::vector<std::size_t> corners;
+  std::vector<Eigen::Vector2d> places, pixels;
+  for (int row = 0; row < lattice.rows; ++row)
+    for (int column = 0; column < lattice.columns; ++column) {
+      if (!lattice.Has(column, row)) continue;
+      corners.push_back(lattice.Index(column, row));
+      places.emplace_back(column, row);
+      pixels.push_back(lattice.At(column, row));
+    }
+  const auto regular = Regular(places, pixels);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (!regular[i]) lattice.corners[corners[i]].reset();
 }
 
 }  // namespace turnlight::calib::calibrate::board

@@ -7,21 +7,25 @@
 
 namespace turnlight::calib::calibrate::board {
 
-// Moves a corner of four squares to where the levels' gradients cross (cv::cornerSubPix), looking no
-// further than `reach` pixels, the distance to the next edge that does not meet it. Nothing where it is
-// led further away than a third of that. picture: CV_32F.
+// Moves a corner of four squares to where the levels' gradients cross (cv::cornerSubPix), looking
+// no further than `reach` pixels, the distance to the next edge that does not meet it. Nothing
+// where it is led further away than a third of that. picture: CV_32F.
 std::optional<Eigen::Vector2d> RefineCorner(const cv::Mat& picture, const Eigen::Vector2d& corner,
                                             double reach);
 
 // All corners of a lattice; drops those that are led away.
 void RefineCorners(const cv::Mat& picture, CornerLattice& lattice);
 
-// Drops corners that do not lie as a plane under a lens has them: a homography, and a cubic on top for the
-// lens, fitted robustly. Returns how many.
-int DropOutliers(CornerLattice& lattice);
+// Does each point lie where a plane under a lens has it: a homography, and a cubic on top for the
+// lens, fitted robustly? places: on the board, any unit.
+std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
+                          const std::vector<Eigen::Vector2d>& pixels);
 
-// Pixels between a corner and the nearest edge that does not meet it, by its neighbours. 0 where it has
-// none in a row or none in a column.
+// Drops corners that are not regular.
+void DropOutliers(CornerLattice& lattice);
+
+// Pixels between a corner and the nearest edge that does not meet it, by its neighbours. 0 where it
+// has none in a row or none in a column.
 double FreeReach(const CornerLattice& lattice, int column, int row);
 
 }  // namespace turnlight::calib::calibrate::board

@@ -31,9 +31,9 @@ std::optional<Points> ByOpenCv(const cv::Mat& picture, int columns, int rows) {
   std::vector<cv::Point2f> found;
   if (!cv::findChessboardCornersSB(picture, {columns, rows}, found, cv::CALIB_CB_NORMALIZE_IMAGE)) {
     found.clear();
-    if (!cv::findChessboardCorners(picture, {columns, rows}, found,
-                                   cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
-                                       cv::CALIB_CB_FAST_CHECK))
+    if (!cv::findChessboardCorners(
+            picture, {columns, rows}, found,
+            cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK))
       return std::nullopt;
   }
   Points points;
@@ -66,7 +66,8 @@ CornerLattice LatticeFrom(const cv::Mat& picture, Points points, int columns, in
     for (int column = 0; column + 1 < columns; ++column)
       ((column + row) % 2 == 0 ? even : odd) += level(column, row);
   const double squares = (columns - 1.0) * (rows - 1.0);
-  lattice.begins_dark = even / std::ceil(squares / 2.0) <= odd / std::max(1.0, std::floor(squares / 2.0));
+  lattice.begins_dark =
+      even / std::ceil(squares / 2.0) <= odd / std::max(1.0, std::floor(squares / 2.0));
   return lattice;
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 // By how much the next same-looking pose must be further away than the one that is taken.
 constexpr double kClearTurnDeg = 20.0;
-// Of rms, for the mirrored tilt to be ruled out: with four points or more and normal noise less than
-// one in a hundred pictures exceeds it by chance.
+// Of rms, for the mirrored tilt to be ruled out: with four points or more and normal noise less
+// than one in a hundred pictures exceeds it by chance.
 constexpr double kClearMirrorRatio = 2.0;
 
 double TurnDeg(const Pose& to, const Pose& from) {
@@ -41,18 +41,20 @@ std::optional<PlanePose> Nearest(const PlanePose& pose, const Pose& before,
   std::stable_sort(all.begin(), all.end(), [&](const PlanePose& a, const PlanePose& b) {
     return TurnDeg(a.X_CB, before) < TurnDeg(b.X_CB, before);
   });
-  if (all.size() > 1 &&
-      TurnDeg(all[1].X_CB, before) - TurnDeg(all[0].X_CB, before) < kClearTurnDeg)
+  if (all.size() > 1 && TurnDeg(all[1].X_CB, before) - TurnDeg(all[0].X_CB, before) < kClearTurnDeg)
     return std::nullopt;
   return all.front();
 }
 
 std::string WhyNotUsable(const PlanePose& pose, const RegistrationOptions& options) {
   if (pose.rms_px > options.worst_rms_px)
-    return Format("the points are %.2f px rms off, allowed is %g: another lens, a wrong size, a blurred picture",
-                  pose.rms_px, options.worst_rms_px);
+    return Format(
+        "the points are %.2f px rms off, allowed is %g: another lens, a wrong size, a blurred "
+        "picture",
+        pose.rms_px, options.worst_rms_px);
   if (pose.mirrored_ratio < kClearMirrorRatio)
-    return "the plane is too small or too far away in it: its tilt could be the mirrored one as well";
+    return "the plane is too small or too far away in it: its tilt could be the mirrored one as "
+           "well";
   return "";
 }
 
@@ -70,7 +72,8 @@ RegisteredView RegisterOne(const CameraModel& camera, const PlaneView& view,
   registered.pose = before ? Nearest(*pose, *before, options.same_looking) : std::move(*pose);
   if (!registered.pose)
     registered.why_left_out =
-        "which side is up cannot be told: the board looks the same from several sides, and the camera was "
+        "which side is up cannot be told: the board looks the same from several sides, and the "
+        "camera was "
         "turned by too much since the picture before";
   return registered;
 }

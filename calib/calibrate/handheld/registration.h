@@ -21,9 +21,9 @@ struct PlaneView {
 };
 
 struct RegistrationOptions {
-  double step_deg = 10.0;    // between keyframes, above 0, to 180
-  double pixel_sigma = 0.1;  // of a point's coordinate, as known beforehand
-  double worst_rms_px = 1.0; // a picture that fits worse is left out
+  double step_deg = 10.0;     // between keyframes, above 0, to 180
+  double pixel_sigma = 0.1;   // of a point's coordinate, as known beforehand
+  double worst_rms_px = 1.0;  // a picture that fits worse is left out
   // Under which turns of B the plane looks the same, the identity left out: B after the turn, in B.
   std::vector<Pose> same_looking;
 };
@@ -36,8 +36,8 @@ struct RegisteredView {
   std::string why_left_out;      // of a picture without a pose
 };
 
-// In the order of the pictures. X_BT: the target in the plane's frame, whose origin view changes are
-// about. Where the plane looks the same from several sides, a picture is taken to be turned as
+// In the order of the pictures. X_BT: the target in the plane's frame, whose origin view changes
+// are about. Where the plane looks the same from several sides, a picture is taken to be turned as
 // little as possible from the registered one before it; one that is turned by nearly half of what
 // would look the same is left out, with that reason. A picture whose mirrored tilt would fit
 // as well (PlanePose::mirrored_ratio) is left out as well.

@@ -12,8 +12,8 @@
 namespace turnlight::calib::calibrate::lens {
 namespace {
 
-constexpr double kUncovered = 0.25;     // of a region's area: with less it is not covered
-constexpr double kWellCovered = 0.6;    // with less a picture more would help
+constexpr double kUncovered = 0.25;      // of a region's area: with less it is not covered
+constexpr double kWellCovered = 0.6;     // with less a picture more would help
 constexpr double kUncertainRatio = 3.0;  // against the middle's sigma
 // A view whose rms is so many times the median's, or of whose points so many are outliers.
 constexpr double kDoubtfulRatio = 2.0, kDoubtfulOutliers = 0.2;
@@ -21,8 +21,8 @@ constexpr double kDoubtfulRatio = 2.0, kDoubtfulOutliers = 0.2;
 constexpr double kHalvesRatio = 2.5;
 
 constexpr std::array<const char*, 9> kRegionNames{
-    "top left corner", "top edge",    "top right corner",  "left edge",          "middle",
-    "right edge",      "bottom left corner", "bottom edge", "bottom right corner"};
+    "top left corner", "top edge",           "top right corner", "left edge",          "middle",
+    "right edge",      "bottom left corner", "bottom edge",      "bottom right corner"};
 
 Coverage CoverageOf(const LensCalibration& calibration) {
   const int width = calibration.camera().width(), height = calibration.camera().height();
@@ -105,27 +105,28 @@ std::vector<std::size_t> Doubtful(const LensCalibration& calibration) {
 std::string HalvesInWords(const Result<CrossValidation>& halves) {
   if (!halves) return "No cross-validation: " + halves.error().text + ".";
   const bool agree = halves->rms_px <= kHalvesRatio * halves->expected_px;
-  return Format("Two halves of the pictures %s: %.2g px apart where both cover, noise explains %.2g "
-                "px.%s",
-                agree ? "agree" : "disagree", halves->rms_px, halves->expected_px,
-                agree ? ""
-                      : " The lens model, the board's flatness or the corners are worse than the "
-                        "noise says: believe the difference, not the stated uncertainty.");
+  return Format(
+      "Two halves of the pictures %s: %.2g px apart where both cover, noise explains %.2g "
+      "px.%s",
+      agree ? "agree" : "disagree", halves->rms_px, halves->expected_px,
+      agree ? ""
+            : " The lens model, the board's flatness or the corners are worse than the "
+              "noise says: believe the difference, not the stated uncertainty.");
 }
 
 std::string Verdict(const LensAssessment& assessment, const LensCalibration& calibration) {
   const double middle = assessment.regions[4].sigma_px;
-  std::string text = Format("Good for %.2g px in the middle, for %.2g px over 95 %% of what the "
-                            "boards covered (1 sigma in the worst direction, at infinity)",
-                            middle, assessment.covered_sigma_px);
+  std::string text = Format(
+      "Good for %.2g px in the middle, for %.2g px over 95 %% of what the "
+      "boards covered (1 sigma in the worst direction, at infinity)",
+      middle, assessment.covered_sigma_px);
   std::vector<std::size_t> uncovered;
   for (std::size_t i = 0; i < assessment.regions.size(); ++i)
     if (assessment.regions[i].covered_share < kUncovered) uncovered.push_back(i);
   const bool plural = uncovered.size() > 1;
-  text += uncovered.empty()
-              ? "; all of the picture is covered."
-              : "; " + NamesOf(assessment.regions, uncovered) +
-                    (plural ? " are not covered." : " is not covered.");
+  text += uncovered.empty() ? "; all of the picture is covered."
+                            : "; " + NamesOf(assessment.regions, uncovered) +
+                                  (plural ? " are not covered." : " is not covered.");
   text += Format(" The points fit with %.2g px rms per axis. ", calibration.rms_px);
   return text + HalvesInWords(assessment.halves);
 }
@@ -139,10 +140,10 @@ std::vector<std::string> Advice(const LensAssessment& assessment,
   const double median = Median(rms);
   for (const std::size_t i : assessment.doubtful) {
     const FittedView& view = calibration.views[i];
-    advice.push_back(Format("Look at %s, and leave it out if it is blurred or the board moved: rms "
-                            "%.2g px, the median view's is %.2g px; %zu of %zu points are outliers.",
-                            pictures[view.picture].picture.c_str(), view.rms_px, median,
-                            view.outliers, view.points));
+    advice.push_back(Format(
+        "Look at %s, and leave it out if it is blurred or the board moved: rms "
+        "%.2g px, the median view's is %.2g px; %zu of %zu points are outliers.",
+        pictures[view.picture].picture.c_str(), view.rms_px, median, view.outliers, view.points));
   }
   std::vector<std::size_t> add;
   const double middle = assessment.regions[4].sigma_px;

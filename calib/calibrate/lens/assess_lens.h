@@ -35,18 +35,18 @@ struct CrossValidation {
 
 struct LensAssessment {
   ImageGrid grid;
-  std::vector<bool> covered;     // by a board's used points
-  std::vector<double> sigma_px;  // in the worst direction, at infinity
+  std::vector<bool> covered;       // by a board's used points
+  std::vector<double> sigma_px;    // in the worst direction, at infinity
   std::optional<double> distance;  // length unit of the board
   std::vector<double> sigma_at_distance_px;
   Coverage coverage;
-  double covered_share = 0.0;   // of the picture
+  double covered_share = 0.0;     // of the picture
   double covered_sigma_px = 0.0;  // 95 % of the covered area are better, at infinity
-  std::vector<Region> regions;  // nine, row by row
+  std::vector<Region> regions;    // nine, row by row
   Result<CrossValidation> halves = InputError("");  // or why there is none
-  std::vector<std::size_t> doubtful;  // of the calibration's views
-  std::string verdict;                // one or more sentences
-  std::vector<std::string> advice;    // pictures to leave out, where to add some
+  std::vector<std::size_t> doubtful;                // of the calibration's views
+  std::string verdict;                              // one or more sentences
+  std::vector<std::string> advice;                  // pictures to leave out, where to add some
 };
 
 // Two more calibrations for the halves. distance: the uncertainty there as well, above 0.

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kLeastPoints = 6;
 constexpr double kMaxUncertainty = 0.05;  // of the picture's diagonal: then there is no calibration
 constexpr double kLargeUncertaintyPx = 1.0;
-constexpr double kBadFitPx = 2.0;  // rms per axis: more than any corner that was found is off
+constexpr double kBadFitPx = 2.0;       // rms per axis: more than any corner that was found is off
 constexpr double kSmallTiltDeg = 15.0;  // between two boards: less tells little of the focal length
 
 struct Chosen {
@@ -31,21 +31,23 @@ struct Chosen {
 Status CheckSizes(const std::vector<PictureViews>& pictures) {
   std::map<std::pair<int, int>, std::size_t> counts;
   for (const PictureViews& picture : pictures) ++counts[{picture.width, picture.height}];
-  const auto common = std::max_element(
-      counts.begin(), counts.end(),
-      [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+  const auto common =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+        return a.second < b.second;
+      })->first;
   std::string odd;
   std::size_t others = 0;
   for (const PictureViews& picture : pictures) {
     if (std::pair(picture.width, picture.height) == common || ++others > 5) continue;
-    odd += Format("%s%s (%d x %d)", odd.empty() ? "" : ", ", picture.picture.c_str(),
-                  picture.width, picture.height);
+    odd += Format("%s%s (%d x %d)", odd.empty() ? "" : ", ", picture.picture.c_str(), picture.width,
+                  picture.height);
   }
   if (others == 0) return {};
-  return InputError(odd + (others > 5 ? Format(" and %zu more", others - 5) : "") +
-                    Format(": other sizes than the %zu pictures of %d x %d; a calibration is of one "
-                           "camera at one resolution",
-                           counts[common], common.first, common.second));
+  return InputError(
+      odd + (others > 5 ? Format(" and %zu more", others - 5) : "") +
+      Format(": other sizes than the %zu pictures of %d x %d; a calibration is of one "
+             "camera at one resolution",
+             counts[common], common.first, common.second));
 }
 
 // Points as a homography would have them: the sign of the area that the board's axes span.
@@ -132,14 +134,15 @@ std::string ReasonsOf(const std::vector<DroppedView>& dropped,
 Status CheckEnough(const Chosen& chosen, const std::vector<PictureViews>& pictures,
                    const LensOptions& options) {
   if (chosen.views.empty())
-    return InputError(Format("none of the %zu pictures shows the board as it should be:",
-                             pictures.size()) +
-                      ReasonsOf(chosen.dropped, pictures));
+    return InputError(
+        Format("none of the %zu pictures shows the board as it should be:", pictures.size()) +
+        ReasonsOf(chosen.dropped, pictures));
   if (chosen.views.size() < 2)
     return InputError(
-        Format("one view of the board (%s) does not determine a lens: allowed are at least 2, and 10 "
-               "to 30 are good, tilted differently and together covering the picture",
-               pictures[chosen.picture.front()].picture.c_str()) +
+        Format(
+            "one view of the board (%s) does not determine a lens: allowed are at least 2, and 10 "
+            "to 30 are good, tilted differently and together covering the picture",
+            pictures[chosen.picture.front()].picture.c_str()) +
         (chosen.dropped.empty() ? "" : "; not used:" + ReasonsOf(chosen.dropped, pictures)));
   std::size_t points = 0;
   for (const board::BoardView& view : chosen.views) points += view.points.size();
@@ -148,10 +151,10 @@ Status CheckEnough(const Chosen& chosen, const std::vector<PictureViews>& pictur
       model.type == MRCAL_LENSMODEL_SPLINED_STEREOGRAPHIC ? 4 : mrcal_lensmodel_num_params(&model));
   const std::size_t parameters = core + 6 * chosen.views.size();
   if (2 * points <= parameters)
-    return InputError(Format("%zu points in %zu views give %zu numbers for %zu unknowns of %s and "
-                             "the boards' poses: take more pictures, or a simpler lens model",
-                             points, chosen.views.size(), 2 * points, parameters,
-                             options.lens_model.c_str()));
+    return InputError(
+        Format("%zu points in %zu views give %zu numbers for %zu unknowns of %s and "
+               "the boards' poses: take more pictures, or a simpler lens model",
+               points, chosen.views.size(), 2 * points, parameters, options.lens_model.c_str()));
   return {};
 }
 
@@ -172,7 +175,11 @@ void AddViews(const ViewsFit& fit, const Chosen& chosen, LensCalibration& result
     double sum = 0.0;
     for (const board::SeenPoint& seen : chosen.views[view].points) {
       const auto cell = static_cast<std::size_t>(fit.problem.grid.cells[seen.point]);
-      FittedPoint point{i, seen.point, seen.pixel, residuals[cell], 1.0 / seen.spread,
+      FittedPoint point{i,
+                        seen.point,
+                        seen.pixel,
+                        residuals[cell],
+                        1.0 / seen.spread,
                         fit.problem.observed[i * per_view + cell].z < 0.0};
       ++fitted.points;
       if (point.outlier)
@@ -181,8 +188,8 @@ void AddViews(const ViewsFit& fit, const Chosen& chosen, LensCalibration& result
         sum += 0.5 * point.residual.squaredNorm();
       result.points.push_back(point);
     }
-    fitted.rms_px =
-        std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, fitted.points - fitted.outliers)));
+    fitted.rms_px = std::sqrt(
+        sum / static_cast<double>(std::max<std::size_t>(1, fitted.points - fitted.outliers)));
     result.outliers += fitted.outliers;
     result.views.push_back(fitted);
   }
@@ -203,15 +210,16 @@ double UncertaintyWherePointsAre(const LensCalibration& calibration) {
 // What a fit this bad says, or nothing.
 std::string MisfitAdvice(double rms_px, const std::string& lens_model) {
   if (rms_px < kBadFitPx) return "";
-  return Format("The points lie %.3g px (rms per axis) off where %s puts them: it is not the model "
-                "of this lens, or the corners are bad. OPENCV8 suits most lenses, a splined model "
-                "fisheyes. ",
-                rms_px, lens_model.c_str());
+  return Format(
+      "The points lie %.3g px (rms per axis) off where %s puts them: it is not the model "
+      "of this lens, or the corners are bad. OPENCV8 suits most lenses, a splined model "
+      "fisheyes. ",
+      rms_px, lens_model.c_str());
 }
 
 std::string TiltAdvice(double tilt_deg, std::size_t views) {
-  std::string advice = Format("%zu views, tilted against each other by at most %.0f degrees", views,
-                              tilt_deg);
+  std::string advice =
+      Format("%zu views, tilted against each other by at most %.0f degrees", views, tilt_deg);
   return advice + (tilt_deg < kSmallTiltDeg
                        ? ": boards that are parallel leave focal length and distance "
                          "interchangeable; tilt the board by 30 to 45 degrees in several directions"
@@ -232,16 +240,16 @@ Status Judge(LensCalibration& result) {
   if (result.rms_px >= kBadFitPx)
     result.notes.push_back(MisfitAdvice(result.rms_px, result.camera().lens_model()));
   if (sigma > kLargeUncertaintyPx || tilt < kSmallTiltDeg)
-    result.notes.push_back(Format("A projection is uncertain by %.3g px where the points are. ",
-                                  sigma) +
-                           TiltAdvice(tilt, result.views.size()) + ".");
+    result.notes.push_back(
+        Format("A projection is uncertain by %.3g px where the points are. ", sigma) +
+        TiltAdvice(tilt, result.views.size()) + ".");
   return {};
 }
 
 Result<CameraModel> ToCameraModel(const Problem& problem, const std::string& name) {
-  std::string text = "{'lensmodel': '" + name + "', 'extrinsics': [0,0,0,0,0,0], 'imagersize': " +
-                     Format("[%d, %d], 'intrinsics': [", problem.image_size[0],
-                            problem.image_size[1]);
+  std::string text =
+      "{'lensmodel': '" + name + "', 'extrinsics': [0,0,0,0,0,0], 'imagersize': " +
+      Format("[%d, %d], 'intrinsics': [", problem.image_size[0], problem.image_size[1]);
   for (const double value : problem.intrinsics) text += Format("%.17g,", value);
   return CameraModel::FromString(text + "]}", "the fitted lens");
 }
@@ -254,8 +262,7 @@ Result<LensCalibration> CalibrateLens(const board::Board& board,
   if (pictures.empty()) return InputError("no pictures given, allowed are at least 2");
   if (const Status status = CheckSizes(pictures); !status) return Forward(status);
   Chosen chosen = ChooseViews(board, pictures);
-  if (const Status status = CheckEnough(chosen, pictures, options); !status)
-    return Forward(status);
+  if (const Status status = CheckEnough(chosen, pictures, options); !status) return Forward(status);
   const auto fit =
       FitViews({pictures.front().width, pictures.front().height}, board, chosen.views, options);
   if (!fit) return Forward(fit);

@@ -1,10 +1,10 @@
 // From boards in pictures to a lens with its uncertainty, by mrcal's optimizer.
 //
 // All pictures are of one camera whose lens did not change; each board in a picture has a pose of
-// its own. The seed comes from homographies, then mrcal fits in turn the poses, the focal length and
-// centre of a simple lens, and everything with the lens model that was asked for: first with a flat
-// board, then with a bent one. mrcal marks points that lie too far off as outliers; views that do
-// not fit as a whole are dropped.
+// its own. The seed comes from homographies, then mrcal fits in turn the poses, the focal length
+// and centre of a simple lens, and everything with the lens model that was asked for: first with a
+// flat board, then with a bent one. mrcal marks points that lie too far off as outliers; views that
+// do not fit as a whole are dropped.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,10 +24,10 @@ namespace turnlight::calib::calibrate::lens {
 
 // What one picture shows. Without boards it says why, for the list of those dropped.
 struct PictureViews {
-  std::string picture;         // its name, for people
-  int width = 0, height = 0;   // pixels
+  std::string picture;        // its name, for people
+  int width = 0, height = 0;  // pixels
   std::vector<board::BoardView> boards;
-  std::string why_none;        // "no board found"
+  std::string why_none;  // "no board found"
 };
 
 struct LensOptions {
@@ -41,13 +41,13 @@ struct LensOptions {
 struct FittedView {
   std::size_t picture = 0, board = 0;  // of the input
   Pose X_CB;
-  double rms_px = 0.0;  // per axis, of its points that are not outliers
+  double rms_px = 0.0;                   // per axis, of its points that are not outliers
   std::size_t points = 0, outliers = 0;  // points counts the outliers too
 };
 
 struct FittedPoint {
-  std::size_t view = 0;   // of LensCalibration::views
-  std::size_t point = 0;  // of the board
+  std::size_t view = 0;             // of LensCalibration::views
+  std::size_t point = 0;            // of the board
   Eigen::Vector2d pixel, residual;  // residual: observed less projected, pixels
   double weight = 1.0;
   bool outlier = false;
@@ -81,8 +81,8 @@ struct LensCalibration {
 // Fails (kInput): pictures of several sizes, none with a board, one view only, a board seen
 // mirrored where that can be told, too few points for the model's parameters. Fails (kNoEstimate)
 // with the reason where the views do not determine the lens: the uncertainty of a projection, where
-// there are points, is more than 5 % of the picture's diagonal. Points outside the board, twice in a
-// view, or not finite are a bug of the caller.
+// there are points, is more than 5 % of the picture's diagonal. Points outside the board, twice in
+// a view, or not finite are a bug of the caller.
 Result<LensCalibration> CalibrateLens(const board::Board& board,
                                       const std::vector<PictureViews>& pictures,
                                       const LensOptions& options);

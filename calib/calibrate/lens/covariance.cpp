@@ -66,8 +66,7 @@ FitNoise NoiseOf(const Problem& problem, const Linearization& linear) {
 }
 
 std::optional<Eigen::MatrixXd> CalibrationCovariance(const Problem& problem,
-                                                     const Linearization& linear,
-                                                     double noise_px) {
+                                                     const Linearization& linear, double noise_px) {
   using Sparse = Eigen::SparseMatrix<double>;
   const Sparse jacobian = linear.jacobian;
   const Sparse observed = linear.jacobian.topRows(linear.observation_rows);

@@ -75,10 +75,10 @@ std::vector<bool> CoveredPixels(const LensCalibration& calibration,
     cv::convexHull(outline, hull);
     for (std::size_t i = 0; i < pixels.size(); ++i)
       if (!covered[i])
-        covered[i] = cv::pointPolygonTest(hull,
-                                          {static_cast<float>(pixels[i].x()),
-                                           static_cast<float>(pixels[i].y())},
-                                          false) >= 0.0;
+        covered[i] =
+            cv::pointPolygonTest(
+                hull, {static_cast<float>(pixels[i].x()), static_cast<float>(pixels[i].y())},
+                false) >= 0.0;
   }
   return covered;
 }
@@ -90,8 +90,8 @@ Result<CrossValidation> CompareHalves(const board::Board& board,
   const auto halves = Halves(pictures, calibration);
   const std::size_t used = halves[0].size() + halves[1].size();
   if (used < kLeastPictures)
-    return InputError(Format("%zu pictures were used, two halves need at least %zu", used,
-                             kLeastPictures));
+    return InputError(
+        Format("%zu pictures were used, two halves need at least %zu", used, kLeastPictures));
   const auto first = CalibrateLens(board, halves[0], options);
   const auto second = CalibrateLens(board, halves[1], options);
   for (const auto* half : {&first, &second})
@@ -104,8 +104,7 @@ Result<CrossValidation> CompareHalves(const board::Board& board,
   const auto sigma_first = first->uncertainty.At(grid.pixels);
   const auto sigma_second = second->uncertainty.At(grid.pixels);
   const auto weights = Weights(sigma_first, sigma_second, result.compared);
-  auto difference =
-      ProjectionDifference(first->camera(), second->camera(), grid.pixels, weights);
+  auto difference = ProjectionDifference(first->camera(), second->camera(), grid.pixels, weights);
   if (!difference) return InputError("the halves hardly cover a common area");
   result.difference = std::move(difference->px);
   std::vector<Eigen::Vector2d> pixels;

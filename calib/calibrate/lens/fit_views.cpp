@@ -14,12 +14,14 @@ namespace turnlight::calib::calibrate::lens {
 namespace {
 
 // A view whose points lie so many times as far off as the median view's, and at least so far, does
-// not belong: another board, corners taken for others, a blur. What noise does stays within 2 times.
+// not belong: another board, corners taken for others, a blur. What noise does stays within 2
+// times.
 constexpr double kMisfitRatio = 5.0;
 constexpr double kMisfitPx = 1.0;
 constexpr double kMostOutliers = 0.5;  // of a view's points
 constexpr int kMaxRounds = 6;
-// Points so near to where they should be, on average, are those of the right fit: no other is tried.
+// Points so near to where they should be, on average, are those of the right fit: no other is
+// tried.
 constexpr double kGoodFitPx = 1.0;
 constexpr std::size_t kWarpViews = 3, kLeastViews = 2;
 
@@ -76,8 +78,7 @@ std::optional<Fit> FitFrom(const Seed& seed, Problem problem, const LensOptions&
 }
 
 std::optional<Fit> FitOnce(const std::array<int, 2>& image_size, const board::Board& board,
-                           const std::vector<board::BoardView>& views,
-                           const LensOptions& options) {
+                           const std::vector<board::BoardView>& views, const LensOptions& options) {
   Problem problem;
   problem.model = LensModelOf(options.lens_model);
   problem.image_size = image_size;
@@ -86,8 +87,8 @@ std::optional<Fit> FitOnce(const std::array<int, 2>& image_size, const board::Bo
     const auto observed = Observations(problem.grid, view);
     problem.observed.insert(problem.observed.end(), observed.begin(), observed.end());
   }
-  const bool warp = options.fits_warp && views.size() >= kWarpViews && board.columns >= 3 &&
-                    board.rows >= 3;
+  const bool warp =
+      options.fits_warp && views.size() >= kWarpViews && board.columns >= 3 && board.rows >= 3;
   std::optional<Fit> best;
   double least = 0.0;
   for (const Seed& seed : FindSeeds(image_size, board, views)) {

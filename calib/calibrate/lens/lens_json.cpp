@@ -118,8 +118,10 @@ std::string IntrinsicsJson(const board::Board& board, const std::vector<PictureV
   json["camera_model"] = {{"path", "camera.cameramodel"}, {"sha256", Sha256Hex(model_text)}};
   json["lens_model"] = camera.lens_model();
   json["resolution"] = {camera.width(), camera.height()};
-  json["board"] = {{"kind", KindName(board.kind)}, {"columns", board.columns},
-                   {"rows", board.rows},           {"spacing", board.spacing},
+  json["board"] = {{"kind", KindName(board.kind)},
+                   {"columns", board.columns},
+                   {"rows", board.rows},
+                   {"spacing", board.spacing},
                    {"unit", length_unit}};
   json["verdict"] = assessment.verdict;
   json["advice"] = assessment.advice;
@@ -133,9 +135,9 @@ std::string IntrinsicsJson(const board::Board& board, const std::vector<PictureV
                         {"along_rows", calibration.warp.x()},
                         {"along_columns", calibration.warp.y()},
                         {"unit", length_unit}};
-  json["intrinsics"] = {{"value", camera.intrinsics()},
-                        {"covariance", small ? MatrixRows(covariance.topLeftCorner(count, count))
-                                             : Json(nullptr)}};
+  json["intrinsics"] = {
+      {"value", camera.intrinsics()},
+      {"covariance", small ? MatrixRows(covariance.topLeftCorner(count, count)) : Json(nullptr)}};
   json["projection_covariance"] = small ? MatrixRows(covariance) : Json(nullptr);
   json["images"] = Images(pictures, calibration, assessment);
   json["coverage"] = {{"share", assessment.covered_share},
@@ -147,8 +149,8 @@ std::string IntrinsicsJson(const board::Board& board, const std::vector<PictureV
   // A line for each key: a matrix is no reading matter.
   std::string text;
   for (const auto& [key, value] : json.items())
-    text += (text.empty() ? "{\n \"" : ",\n \"") + key + "\": " +
-            value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text += (text.empty() ? "{\n \"" : ",\n \"") + key +
+            "\": " + value.dump(-1, ' ', false, Json::error_handler_t::replace);
   return text + "\n}\n";
 }
 

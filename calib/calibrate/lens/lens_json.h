@@ -19,13 +19,13 @@
 //    "cross_validation": {"rms_px": 0.03, "largest_px": 0.1, "expected_px": 0.04},
 //    "verdict": "...", "advice": ["..."], "notes": ["..."]}
 //
-// rms_px is per axis, weighted, without outliers; noise_px, their standard deviation, is the noise of
-// corners that all covariances assume. projection_covariance has six more rows than that of the
-// intrinsics: the mean motion of the boards in C, rotation vector and shift (projection_uncertainty.h);
-// the uncertainty of a projection at any pixel and distance follows from it. Both are null for more
-// than 300 intrinsics. The grid of "uncertainty" is evenly over the picture with its outermost
-// pixels on the edges; null is where the lens does not reach; without "at_distance" it is at
-// infinity. cross_validation is {"reason": "..."} where there is none.
+// rms_px is per axis, weighted, without outliers; noise_px, their standard deviation, is the noise
+// of corners that all covariances assume. projection_covariance has six more rows than that of the
+// intrinsics: the mean motion of the boards in C, rotation vector and shift
+// (projection_uncertainty.h); the uncertainty of a projection at any pixel and distance follows
+// from it. Both are null for more than 300 intrinsics. The grid of "uncertainty" is evenly over the
+// picture with its outermost pixels on the edges; null is where the lens does not reach; without
+// "at_distance" it is at infinity. cross_validation is {"reason": "..."} where there is none.
 #pragma once
 
 #include <string>

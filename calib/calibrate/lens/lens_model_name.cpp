@@ -25,7 +25,8 @@ std::string AllowedNames() {
     if (std::string_view(*name).find("CAHVORE") == std::string_view::npos)
       names.emplace_back(std::string_view(*name).substr(kPrefix.size()));
   for (std::string& name : names)
-    if (name.starts_with("SPLINED")) name = "SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=18_fov_x_deg=60";
+    if (name.starts_with("SPLINED"))
+      name = "SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=18_fov_x_deg=60";
   return Listed(names) + " (the numbers of the splined one are examples)";
 }
 
@@ -50,16 +51,18 @@ Result<std::string> FullLensModelName(const std::string& name, const std::string
     return InputError(what + ": '" + name.substr(0, 100) + "' " + why);
   };
   if (full.starts_with("LENSMODEL_CAHVORE"))
-    return refuse("cannot be calibrated: mrcal projects this lens model but has no derivatives of "
-                  "it; allowed are " +
-                  AllowedNames());
+    return refuse(
+        "cannot be calibrated: mrcal projects this lens model but has no derivatives of "
+        "it; allowed are " +
+        AllowedNames());
   const mrcal_lensmodel_type_t type = mrcal_lensmodel_type_from_name(full.c_str());
   if (!mrcal_lensmodel_type_is_valid(type) || full.find('\0') != std::string::npos)
     return refuse("is no lens model; allowed are " + AllowedNames());
   mrcal_lensmodel_t model{};
   if (!mrcal_lensmodel_from_name(&model, full.c_str()))
-    return refuse("lacks its configuration, for example "
-                  "SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=18_fov_x_deg=60");
+    return refuse(
+        "lacks its configuration, for example "
+        "SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=18_fov_x_deg=60");
   std::size_t count = 0;
   if (IsSplined(full)) {
     const auto& config = model.LENSMODEL_SPLINED_STEREOGRAPHIC__config;

@@ -30,12 +30,12 @@ void DrawArrow(SensorPage& sensor, const Eigen::Vector2d& pixel, const Eigen::Ve
 
 ReportPicture Residuals(const LensCalibration& calibration) {
   const double scale = plot::RoundDown(kArrow / std::max(calibration.rms_px, 1e-9));
-  SensorPage sensor = MakeSensorPage(
-      calibration.camera().width(), calibration.camera().height(),
-      "residuals: observed less projected",
-      Format("an arrow of %s is 1 px; red: outliers", 
-             (plot::FormatNumber(scale) + " pixels of this page").c_str()),
-      false);
+  SensorPage sensor =
+      MakeSensorPage(calibration.camera().width(), calibration.camera().height(),
+                     "residuals: observed less projected",
+                     Format("an arrow of %s is 1 px; red: outliers",
+                            (plot::FormatNumber(scale) + " pixels of this page").c_str()),
+                     false);
   const std::size_t step = calibration.points.size() / kMostArrows + 1;
   for (const bool outliers : {false, true})
     for (std::size_t i = 0; i < calibration.points.size(); i += outliers ? 1 : step) {
@@ -43,8 +43,7 @@ ReportPicture Residuals(const LensCalibration& calibration) {
       // Far outliers would cover the others.
       const double length = std::max(1.0, scale * point.residual.norm() / (6.0 * kArrow));
       if (point.outlier == outliers)
-        DrawArrow(sensor, point.pixel, point.residual, scale / length,
-                  outliers ? kMarked : kPlain);
+        DrawArrow(sensor, point.pixel, point.residual, scale / length, outliers ? kMarked : kPlain);
     }
   return {"residuals.png", sensor.page};
 }
@@ -109,7 +108,8 @@ ReportPicture Histogram(const LensCalibration& calibration) {
   const double bin_width = 2.0 * kEnd / kBins;
   const double peak = 1.0 / std::sqrt(2.0 * std::numbers::pi);
   double highest = peak;
-  for (double& count : counts) highest = std::max(highest, count /= std::max(1.0, total) * bin_width);
+  for (double& count : counts)
+    highest = std::max(highest, count /= std::max(1.0, total) * bin_width);
   cv::Mat3b page = plot::Page(760, 480);
   const cv::Rect area(60, plot::kTitleHeight, 676, 360);
   plot::DrawTitle(page, area.x, "residuals per axis, and the normal distribution");
@@ -142,12 +142,11 @@ ReportPicture Histogram(const LensCalibration& calibration) {
 
 ReportPicture CoverageMap(const LensCalibration& calibration, const LensAssessment& assessment) {
   const Coverage& coverage = assessment.coverage;
-  SensorPage sensor =
-      MakeSensorPage(calibration.camera().width(), calibration.camera().height(),
-                     "points seen in each cell of the sensor",
-                     Format("the boards' outlines cover %.0f %% of the picture",
-                            100.0 * assessment.covered_share),
-                     false);
+  SensorPage sensor = MakeSensorPage(
+      calibration.camera().width(), calibration.camera().height(),
+      "points seen in each cell of the sensor",
+      Format("the boards' outlines cover %.0f %% of the picture", 100.0 * assessment.covered_share),
+      false);
   const double most = static_cast<double>(
       std::max<std::size_t>(1, *std::max_element(coverage.points.begin(), coverage.points.end())));
   for (int row = 0; row < coverage.rows; ++row)
@@ -185,10 +184,10 @@ void LabelNinths(SensorPage& sensor, const ImageGrid& grid, const std::vector<do
 ReportPicture UncertaintyMap(const LensCalibration& calibration, const LensAssessment& assessment,
                              const std::vector<double>& sigmas, const std::string& where,
                              const std::string& name) {
-  SensorPage sensor = MakeSensorPage(
-      calibration.camera().width(), calibration.camera().height(),
-      "uncertainty of a projection " + where,
-      "1 sigma in the worst direction; dots: no board was seen there", true);
+  SensorPage sensor =
+      MakeSensorPage(calibration.camera().width(), calibration.camera().height(),
+                     "uncertainty of a projection " + where,
+                     "1 sigma in the worst direction; dots: no board was seen there", true);
   DrawLogMap(sensor, assessment.grid, sigmas, "pixels");
   for (std::size_t i = 0; i < assessment.covered.size(); ++i)
     if (!assessment.covered[i] && i % 2 == 0)
@@ -206,8 +205,9 @@ ReportPicture HalvesMap(const LensCalibration& calibration, const LensAssessment
   SensorPage sensor = MakeSensorPage(
       calibration.camera().width(), calibration.camera().height(),
       "two halves of the pictures: difference of their projections",
-      Format("where both cover, after the rotation between them; %.2g px rms, noise explains %.2g px",
-             halves.rms_px, halves.expected_px),
+      Format(
+          "where both cover, after the rotation between them; %.2g px rms, noise explains %.2g px",
+          halves.rms_px, halves.expected_px),
       true);
   DrawLogMap(sensor, assessment.grid, lengths, "pixels");
   LabelNinths(sensor, assessment.grid, lengths);
@@ -220,16 +220,15 @@ std::vector<ReportPicture> ReportPictures(const std::vector<PictureViews>& pictu
                                           const LensCalibration& calibration,
                                           const LensAssessment& assessment,
                                           const std::string& length_unit) {
-  std::vector<ReportPicture> report{
-      Residuals(calibration), Views(pictures, calibration, assessment), Histogram(calibration),
-      CoverageMap(calibration, assessment),
-      UncertaintyMap(calibration, assessment, assessment.sigma_px, "at infinity",
-                     "uncertainty.png")};
+  std::vector<ReportPicture> report{Residuals(calibration),
+                                    Views(pictures, calibration, assessment),
+                                    Histogram(calibration), CoverageMap(calibration, assessment),
+                                    UncertaintyMap(calibration, assessment, assessment.sigma_px,
+                                                   "at infinity", "uncertainty.png")};
   if (assessment.distance)
-    report.push_back(UncertaintyMap(
-        calibration, assessment, assessment.sigma_at_distance_px,
-        Format("at %g %s", *assessment.distance, length_unit.c_str()),
-        "uncertainty_at_distance.png"));
+    report.push_back(UncertaintyMap(calibration, assessment, assessment.sigma_at_distance_px,
+                                    Format("at %g %s", *assessment.distance, length_unit.c_str()),
+                                    "uncertainty_at_distance.png"));
   if (assessment.halves) report.push_back(HalvesMap(calibration, assessment));
   return report;
 }

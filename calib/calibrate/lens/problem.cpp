@@ -37,8 +37,8 @@ std::vector<mrcal_observation_board_t> BoardObservations(std::size_t count) {
   return observations;
 }
 
-// mrcal and what it builds on say on standard error what they do on the way, outliers and steps that
-// failed: nothing that a user of the result needs. While one of these lives, it goes nowhere.
+// mrcal and what it builds on say on standard error what they do on the way, outliers and steps
+// that failed: nothing that a user of the result needs. While one of these lives, it goes nowhere.
 class SilentStandardError {
  public:
   SilentStandardError() : kept_(dup(STDERR_FILENO)) {
@@ -191,13 +191,12 @@ Linearization Linearize(const Problem& problem, const Pass& pass) {
   transposed.packed = 1;
   std::vector<double> packed(static_cast<std::size_t>(states));
   result.residuals.resize(measurements);
-  mrcal_optimizer_callback(
-      packed.data(), states * static_cast<int>(sizeof(double)), result.residuals.data(),
-      measurements * static_cast<int>(sizeof(double)), &transposed, problem.intrinsics.data(),
-      nullptr, problem.poses.data(), nullptr, &problem.warp, 1, 0, views, 0, 0,
-      observations.data(), nullptr, views, 0, problem.observed.data(), model,
-      problem.image_size.data(), selections, &kConstants, problem.grid.spacing, columns, rows,
-      false);
+  mrcal_optimizer_callback(packed.data(), states * static_cast<int>(sizeof(double)),
+                           result.residuals.data(), measurements * static_cast<int>(sizeof(double)),
+                           &transposed, problem.intrinsics.data(), nullptr, problem.poses.data(),
+                           nullptr, &problem.warp, 1, 0, views, 0, 0, observations.data(), nullptr,
+                           views, 0, problem.observed.data(), model, problem.image_size.data(),
+                           selections, &kConstants, problem.grid.spacing, columns, rows, false);
   result.jacobian = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
       measurements, states, starts.back(), starts.data(), indices.data(), values.data());
   result.observation_rows = mrcal_num_measurements_boards(views, columns, rows);
@@ -207,8 +206,7 @@ Linearization Linearize(const Problem& problem, const Pass& pass) {
       mrcal_state_index_intrinsics(0, 1, 0, views, 0, 0, views, selections, model);
   result.intrinsics_count = mrcal_num_states_intrinsics(1, selections, model);
   result.poses_index = mrcal_state_index_frames(0, 1, 0, views, 0, 0, views, selections, model);
-  result.warp_index =
-      mrcal_state_index_calobject_warp(1, 0, views, 0, 0, views, selections, model);
+  result.warp_index = mrcal_state_index_calobject_warp(1, 0, views, 0, 0, views, selections, model);
   return result;
 }
 
@@ -220,9 +218,8 @@ std::vector<Eigen::Vector3d> BentPoints(const PointGrid& grid, const mrcal_calob
   std::vector<Eigen::Vector3d> points;
   for (int row = 0; row < grid.rows; ++row)
     for (int column = 0; column < grid.columns; ++column)
-      points.emplace_back(
-          grid.spacing * column, grid.spacing * row,
-          warp.x2 * bend(column, grid.columns) + warp.y2 * bend(row, grid.rows));
+      points.emplace_back(grid.spacing * column, grid.spacing * row,
+                          warp.x2 * bend(column, grid.columns) + warp.y2 * bend(row, grid.rows));
   return points;
 }
 

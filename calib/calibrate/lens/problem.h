@@ -1,5 +1,5 @@
-// mrcal's optimization problem of one camera that sees boards, each at a pose of its own, in mrcal's
-// own types. Only this folder includes it.
+// mrcal's optimization problem of one camera that sees boards, each at a pose of its own, in
+// mrcal's own types. Only this folder includes it.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@ extern "C" {
 
 namespace turnlight::calib::calibrate::lens {
 
-// mrcal's boards are regular grids of points, of which a view may lack any. A chessboard is one; the
-// corners of a grid of tags are some points of a finer one.
+// mrcal's boards are regular grids of points, of which a view may lack any. A chessboard is one;
+// the corners of a grid of tags are some points of a finer one.
 struct PointGrid {
   int columns = 0, rows = 0;
   double spacing = 0.0;
@@ -33,9 +33,9 @@ struct Problem {
   std::array<int, 2> image_size{};
   PointGrid grid;
   std::vector<double> intrinsics;
-  std::vector<mrcal_pose_t> poses;        // X_CB of each view, as rotation vector and shift
-  mrcal_calobject_warp_t warp{};          // 0: flat
-  std::vector<mrcal_point3_t> observed;   // grid's points of each view: pixel, weight; -1: not used
+  std::vector<mrcal_pose_t> poses;       // X_CB of each view, as rotation vector and shift
+  mrcal_calobject_warp_t warp{};         // 0: flat
+  std::vector<mrcal_point3_t> observed;  // grid's points of each view: pixel, weight; -1: not used
 
   std::size_t points_per_view() const {
     return static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
@@ -60,9 +60,9 @@ bool Optimize(Problem& problem, const Pass& pass);
 // At the problem's own values: residuals and their derivatives, in mrcal's packed state.
 struct Linearization {
   Eigen::SparseMatrix<double, Eigen::RowMajor> jacobian;  // measurements x packed state
-  Eigen::VectorXd residuals;    // weighted, pixels; 0 where not used
-  Eigen::Index observation_rows = 0;  // these come first, then what regularizes
-  Eigen::VectorXd scales;       // state = scales * packed state
+  Eigen::VectorXd residuals;                              // weighted, pixels; 0 where not used
+  Eigen::Index observation_rows = 0;                      // these come first, then what regularizes
+  Eigen::VectorXd scales;                                 // state = scales * packed state
   int intrinsics_index = -1, intrinsics_count = 0, poses_index = -1, warp_index = -1;
 };
 Linearization Linearize(const Problem& problem, const Pass& pass);

@@ -82,10 +82,10 @@ Matrix3d FitRotation(const std::vector<Pair>& pairs) {
 }  // namespace
 
 ImageGrid GridOverImage(int width, int height, int columns) {
-  ImageGrid grid{columns,
-                 std::max(2, static_cast<int>(std::lround(
-                                 static_cast<double>(height) / width * columns))),
-                 {}};
+  ImageGrid grid{
+      columns,
+      std::max(2, static_cast<int>(std::lround(static_cast<double>(height) / width * columns))),
+      {}};
   for (int row = 0; row < grid.rows; ++row)
     for (int column = 0; column < grid.columns; ++column)
       grid.pixels.emplace_back((width - 1.0) * column / (grid.columns - 1),
@@ -97,9 +97,10 @@ Result<LensDifference> ProjectionDifference(const CameraModel& a, const CameraMo
                                             const std::vector<Eigen::Vector2d>& pixels,
                                             const std::vector<double>& weights) {
   if (a.width() != b.width() || a.height() != b.height())
-    return InputError(Format("two lenses are compared for pictures of one size, these are %d x %d "
-                             "and %d x %d",
-                             a.width(), a.height(), b.width(), b.height()));
+    return InputError(
+        Format("two lenses are compared for pictures of one size, these are %d x %d "
+               "and %d x %d",
+               a.width(), a.height(), b.width(), b.height()));
   const auto rays_a = a.Unproject(pixels), rays_b = b.Unproject(pixels);
   std::vector<Pair> pairs;
   double largest = 0.0;
@@ -110,8 +111,8 @@ Result<LensDifference> ProjectionDifference(const CameraModel& a, const CameraMo
         rays_b[i].allFinite())
       pairs.push_back({rays_a[i], rays_b[i], weights[i] / largest});
   if (pairs.size() < 3)
-    return InputError(Format("two lenses are compared at %zu pixels, allowed are at least 3",
-                             pairs.size()));
+    return InputError(
+        Format("two lenses are compared at %zu pixels, allowed are at least 3", pairs.size()));
   LensDifference difference{FitRotation(pairs), {}};
   std::vector<Vector3d> turned;
   for (const Vector3d& ray : rays_a) turned.push_back(difference.rotation * ray);

@@ -1,9 +1,9 @@
 // How far two lens models of one camera project apart.
 //
 // Two calibrations of one camera differ in where they think its frame C is: part of a difference of
-// intrinsics is a rotation that nobody can see. The rotation that brings the projections together is
-// fitted and taken off, as mrcal 2.2 does looking at infinity (implied_Rt10__from_unprojections: the
-// sum over the pixels of (weight angle^2)^2 is least).
+// intrinsics is a rotation that nobody can see. The rotation that brings the projections together
+// is fitted and taken off, as mrcal 2.2 does looking at infinity (implied_Rt10__from_unprojections:
+// the sum over the pixels of (weight angle^2)^2 is least).
 #pragma once
 
 #include <Eigen/Core>

@@ -17,9 +17,9 @@ namespace turnlight::calib::calibrate::lens {
 // Larger square root of an eigenvalue: the standard deviation in the worst direction. NaN stays.
 double WorstSigma(const Eigen::Matrix2d& covariance);
 
-// Derivatives of the pixels that directions project to: two rows a pixel (x, y), one column for each
-// of the intrinsics, then three for a rotation of the direction (rotation vector in C's axes). Rows
-// of pixels that the lens does not reach are NaN.
+// Derivatives of the pixels that directions project to: two rows a pixel (x, y), one column for
+// each of the intrinsics, then three for a rotation of the direction (rotation vector in C's axes).
+// Rows of pixels that the lens does not reach are NaN.
 Eigen::MatrixXd PixelDerivatives(const CameraModel& camera,
                                  const std::vector<Eigen::Vector2d>& pixels);
 

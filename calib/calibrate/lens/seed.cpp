@@ -50,8 +50,7 @@ double RmsDistance(const Problem& problem, std::size_t view) {
 
 double MedianOfViews(const Problem& problem) {
   std::vector<double> values;
-  for (std::size_t i = 0; i < problem.poses.size(); ++i)
-    values.push_back(RmsDistance(problem, i));
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) values.push_back(RmsDistance(problem, i));
   return Median(values);
 }
 
@@ -127,8 +126,9 @@ std::vector<mrcal_pose_t> PosesThrough(const mrcal_lensmodel_t& model,
   somewhere.translation.z() = board.spacing * std::max(board.columns, board.rows);
   std::vector<mrcal_pose_t> poses;
   for (const board::BoardView& view : views)
-    poses.push_back(ToMrcal(PoseFromRays(SeenPoints(p_B, view), Rays(model, intrinsics.data(), view))
-                                .value_or(somewhere)));
+    poses.push_back(
+        ToMrcal(PoseFromRays(SeenPoints(p_B, view), Rays(model, intrinsics.data(), view))
+                    .value_or(somewhere)));
   return poses;
 }
 
@@ -159,8 +159,7 @@ std::vector<Seed> FindSeeds(const std::array<int, 2>& image_size, const board::B
       std::copy_n(fitted->intrinsics.begin(), 4, best->core.begin());
     }
     if (!best) continue;
-    best->poses =
-        PosesThrough(best->model, {best->core.begin(), best->core.end()}, board, views);
+    best->poses = PosesThrough(best->model, {best->core.begin(), best->core.end()}, board, views);
     seeds.push_back(*best);
   }
   std::stable_sort(seeds.begin(), seeds.end(),

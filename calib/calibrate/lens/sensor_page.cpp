@@ -11,8 +11,10 @@ constexpr int kLeft = 76, kBelow = 74, kBarRoom = 96;
 constexpr double kMaxWidth = 760.0, kMaxHeight = 620.0;
 
 std::vector<plot::Tick> PixelTicks(int size) {
-  std::vector<plot::Tick> ticks = plot::LinearTicks(size);
-  if (size < 7) ticks.resize(1);
+  std::vector<plot::Tick> ticks;
+  const int step = std::max(1, static_cast<int>(plot::RoundUp(size / 6.0)));
+  for (int at = 0; at <= size; at += step)
+    ticks.push_back({static_cast<double>(at) / size, std::to_string(at)});
   return ticks;
 }
 
@@ -24,12 +26,11 @@ SensorPage MakeSensorPage(int width, int height, const std::string& title, const
   sensor.scale = std::min(kMaxWidth / width, kMaxHeight / height);
   sensor.area = {kLeft, plot::kTitleHeight, std::max(1, static_cast<int>(width * sensor.scale)),
                  std::max(1, static_cast<int>(height * sensor.scale))};
-  const int words = std::max(plot::TextWidth(title, plot::kCaption),
-                             plot::TextWidth(below, plot::kLabel));
+  const int words =
+      std::max(plot::TextWidth(title, plot::kCaption), plot::TextWidth(below, plot::kLabel));
   const int right = bar ? kBarRoom : 0;
-  sensor.page =
-      plot::Page(kLeft + std::max(sensor.area.width, words) + right + plot::kMargin,
-                 plot::kTitleHeight + sensor.area.height + kBelow);
+  sensor.page = plot::Page(kLeft + std::max(sensor.area.width, words) + right + plot::kMargin,
+                           plot::kTitleHeight + sensor.area.height + kBelow);
   plot::DrawTitle(sensor.page, kLeft, title);
   plot::Place(sensor.page, sensor.page(sensor.area).clone(), sensor.area.tl());
   plot::DrawTicksBelow(sensor.page, sensor.area, PixelTicks(width));
@@ -62,15 +63,16 @@ void DrawLogMap(SensorPage& sensor, const ImageGrid& grid, const std::vector<dou
       const auto at = [&](int i, int j) {
         return values[static_cast<std::size_t>((r + j) * grid.columns + c + i)];
       };
-      const double value = (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) +
-                           v * ((1 - u) * at(0, 1) + u * at(1, 1));
-      map(y, x) = plot::SequentialColour(
-          std::isfinite(value) ? 1.0 - axis.At(std::max(value, 1e-300))
-                               : std::numeric_limits<double>::quiet_NaN());
+      const double value =
+          (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
+      map(y, x) =
+          plot::SequentialColour(std::isfinite(value) ? 1.0 - axis.At(std::max(value, 1e-300))
+                                                      : std::numeric_limits<double>::quiet_NaN());
     }
   plot::Place(sensor.page, map, sensor.area.tl());
-  plot::DrawScaleBeside(sensor.page, sensor.area, plot::SequentialColour, plot::LogTicks(axis),
-                        unit);
+  std::vector<plot::Tick> ticks = plot::LogTicks(axis);
+  for (plot::Tick& tick : ticks) tick.at = 1.0 - tick.at;  // of a bar they count from below
+  plot::DrawScaleBeside(sensor.page, sensor.area, plot::SequentialColour, ticks, unit);
 }
 
 }  // namespace turnlight::calib::calibrate::lens

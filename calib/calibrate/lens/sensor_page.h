@@ -22,8 +22,8 @@ struct SensorPage {
 
 // An empty sensor with its pixels as axes, a title above and a line of words below; room for a
 // colour bar at its right if wanted.
-SensorPage MakeSensorPage(int width, int height, const std::string& title,
-                          const std::string& below, bool bar);
+SensorPage MakeSensorPage(int width, int height, const std::string& title, const std::string& below,
+                          bool bar);
 
 // A map of positive values at the grid's pixels on a logarithmic scale, with its bar. NaN is grey.
 void DrawLogMap(SensorPage& sensor, const ImageGrid& grid, const std::vector<double>& values,

@@ -41,7 +41,8 @@ ByGeometry PointByGeometry(const calib::TurntableGeometry& geometry, double angl
   ByGeometry by;
   by.X_WC << R_CW * Cross(from_camera), -R_CW;
   by.X_WA << -R_CW * Cross(turned_A), R_CW;
-  by.angle_offset = R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
+  by.angle_offset =
+      R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
   by.angle_scale = by.angle_offset * angle_deg;
   return by;
 }
@@ -52,10 +53,6 @@ struct Sums {
   MatrixXd angle_scale = MatrixXd::Zero(kParameters, 1);
   MatrixXd angle_offset = MatrixXd::Zero(kParameters, 1);
 };
-
-void AddShare(const MatrixXd& sum, const std::optional<MatrixXd>& covariance, MatrixXd& share) {
-  if (covariance) share += sum * *covariance * sum.transpose();
-}
 
 std::optional<calib::CameraModel> WithIntrinsics(const calib::CameraModel& camera,
                                                  const std::vector<double>& intrinsics) {
@@ -71,11 +68,11 @@ std::optional<calib::CameraModel> WithIntrinsics(const calib::CameraModel& camer
 }
 
 // The lens: an intrinsic moves the image of what a measured point's ray meets.
-MatrixXd LensShare(const Problem& problem, const Fit& fit, const MatrixXd& gains) {
+MatrixXd LensTransfer(const Problem& problem, const Fit& fit, const MatrixXd& gains) {
   const auto& covariance = problem.calibration.covariances.camera_model;
   const calib::CameraModel& camera = problem.calibration.lens;
   MatrixXd sum = MatrixXd::Zero(kParameters, static_cast<Eigen::Index>(camera.intrinsics().size()));
-  if (!covariance) return MatrixXd::Zero(kParameters, kParameters);
+  if (!covariance) return sum;
   std::vector<Eigen::Vector2d> pixels;
   for (const Residual& residual : fit.residuals) pixels.push_back(residual.pixel);
   const std::vector<Vector3d> rays = camera.Unproject(pixels);
@@ -93,37 +90,104 @@ MatrixXd LensShare(const Problem& problem, const Fit& fit, const MatrixXd& gains
       if (std::isfinite(by)) sum.col(k) += gains.col(static_cast<Eigen::Index>(i)) * by;
     }
   }
-  return sum * *covariance * sum.transpose();
+  return sum;
 }
 
-}  // namespace
-
-MatrixXd CalibrationShare(const Problem& problem, const Fit& fit, const MatrixXd& inverse) {
-  const calib::TurntableGeometry& geometry = problem.calibration.geometry;
+// What each residual used moves the parameters by.
+MatrixXd GainsOf(const Problem& problem, const Fit& fit, const MatrixXd& inverse) {
   const double noise = fit.scale * fit.scale * fit.correlation;
   MatrixXd gains = MatrixXd::Zero(kParameters, static_cast<Eigen::Index>(fit.residuals.size()));
+  for (std::size_t i = 0; i < fit.residuals.size(); ++i) {
+    if (!fit.used[i]) continue;
+    const Residual& residual = fit.residuals[i];
+    const Row row = ParameterRow(
+        residual, fit.state,
+        PoseOfTableInCamera(problem.calibration.geometry, problem.views[residual.view].angle_deg));
+    gains.col(static_cast<Eigen::Index>(i)) =
+        -inverse * row.transpose() / (noise * residual.sigma * residual.sigma);
+  }
+  return gains;
+}
+
+Sums SumOverResiduals(const Problem& problem, const Fit& fit, const MatrixXd& gains) {
   Sums sums;
   for (std::size_t i = 0; i < fit.residuals.size(); ++i) {
     if (!fit.used[i]) continue;
     const Residual& residual = fit.residuals[i];
-    const double angle_deg = problem.views[residual.view].angle_deg;
-    const Row row =
-        ParameterRow(residual, fit.state, PoseOfTableInCamera(geometry, angle_deg));
-    const VectorXd gain =
-        -inverse * row.transpose() / (noise * residual.sigma * residual.sigma);
-    gains.col(static_cast<Eigen::Index>(i)) = gain;
-    const ByGeometry by = PointByGeometry(geometry, angle_deg, residual.p_A);
+    const VectorXd gain = gains.col(static_cast<Eigen::Index>(i));
+    const ByGeometry by = PointByGeometry(problem.calibration.geometry,
+                                          problem.views[residual.view].angle_deg, residual.p_A);
     sums.X_WC += gain * (residual.by_p_C * by.X_WC);
     sums.X_WA += gain * (residual.by_p_C * by.X_WA);
     sums.angle_scale += gain * (residual.by_p_C * by.angle_scale);
     sums.angle_offset += gain * (residual.by_p_C * by.angle_offset);
   }
+  return sums;
+}
+
+struct Part {
+  std::string key;
+  const std::optional<MatrixXd>* covariance;
+  MatrixXd transfer;
+};
+
+// Where a part begins in a matrix of several; nothing if it is not among them.
+std::optional<Eigen::Index> PlaceOf(const std::string& key, const std::vector<std::string>& of,
+                                    const std::vector<Eigen::Index>& sizes) {
+  Eigen::Index at = 0;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (of[i] == key) return at;
+    at += sizes[i];
+  }
+  return std::nullopt;
+}
+
+// The blocks of a joint covariance between parts that are both in it.
+void CopyJoint(const rig::JointCovariance& joint, const std::vector<Part>& parts,
+               CalibrationShare& share) {
+  std::vector<Eigen::Index> sizes, joint_sizes;
+  for (const Part& part : parts) sizes.push_back((*part.covariance)->rows());
+  for (const std::string& key : joint.of) {
+    joint_sizes.push_back(6);  // X_AT's, which is no part
+    for (const Part& part : parts)
+      if (part.key == key) joint_sizes.back() = (*part.covariance)->rows();
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t j = 0; j < parts.size(); ++j) {
+      const auto row = PlaceOf(parts[i].key, joint.of, joint_sizes);
+      const auto column = PlaceOf(parts[j].key, joint.of, joint_sizes);
+      if (!row || !column) continue;
+      share.covariance.block(*PlaceOf(parts[i].key, share.of, sizes),
+                             *PlaceOf(parts[j].key, share.of, sizes), sizes[i], sizes[j]) =
+          joint.matrix.block(*row, *column, sizes[i], sizes[j]);
+    }
+}
+
+}  // namespace
+
+CalibrationShare ShareOfCalibration(const Problem& problem, const Fit& fit,
+                                    const MatrixXd& inverse) {
+  const MatrixXd gains = GainsOf(problem, fit, inverse);
+  const Sums sums = SumOverResiduals(problem, fit, gains);
   const rig::CalibrationCovariances& known = problem.calibration.covariances;
-  MatrixXd share = LensShare(problem, fit, gains);
-  AddShare(sums.X_WC, known.X_WC, share);
-  AddShare(sums.X_WA, known.X_WA, share);
-  AddShare(sums.angle_scale, known.angle_scale, share);
-  AddShare(sums.angle_offset, known.angle_offset, share);
+  std::vector<Part> parts{{"camera_model", &known.camera_model, LensTransfer(problem, fit, gains)},
+                          {"X_WC", &known.X_WC, sums.X_WC},
+                          {"X_WA", &known.X_WA, sums.X_WA},
+                          {"angle_scale", &known.angle_scale, sums.angle_scale},
+                          {"angle_offset", &known.angle_offset, sums.angle_offset}};
+  std::erase_if(parts, [](const Part& part) { return !part.covariance->has_value(); });
+  Eigen::Index size = 0;
+  for (const Part& part : parts) size += part.transfer.cols();
+  CalibrationShare share{{}, MatrixXd::Zero(size, size), MatrixXd::Zero(kParameters, size)};
+  Eigen::Index at = 0;
+  for (const Part& part : parts) {
+    const Eigen::Index columns = part.transfer.cols();
+    share.of.push_back(part.key);
+    share.covariance.block(at, at, columns, columns) = **part.covariance;
+    share.transfer.middleCols(at, columns) = part.transfer;
+    at += columns;
+  }
+  if (known.joint) CopyJoint(*known.joint, parts, share);
   return share;
 }
 

@@ -1,15 +1,26 @@
-// What the calibration's own uncertainty does to a placement, to first order. Internal to this folder.
+// What the calibration's own uncertainty does to a placement, to first order. Internal to this
+// folder.
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
+#include <vector>
 
 #include "calib/calibrate/placement/fit.h"
 
 namespace turnlight::calib::calibrate::placement {
 
-// 8 x 8. inverse: the covariance from the noise alone. The parts of the calibration are taken as
-// independent of each other, as its file has it; those without a covariance count as exact.
-Eigen::MatrixXd CalibrationShare(const Problem& problem, const Fit& fit,
-                                 const Eigen::MatrixXd& inverse);
+// Parts of the calibration that have a covariance, X_AT not among them; what the parameters of the
+// placement move by theirs.
+struct CalibrationShare {
+  std::vector<std::string> of;  // keys of the calibration's file
+  Eigen::MatrixXd covariance;   // of all of them, in this order, N x N
+  Eigen::MatrixXd transfer;     // 8 x N
+};
+
+// inverse: the covariance of the parameters from the noise alone. Parts without a covariance count
+// as exact, those that are in no joint covariance as independent.
+CalibrationShare ShareOfCalibration(const Problem& problem, const Fit& fit,
+                                    const Eigen::MatrixXd& inverse);
 
 }  // namespace turnlight::calib::calibrate::placement

@@ -27,7 +27,8 @@ std::optional<Mirrored> MirrorOnBall(const Ball& ball, const Vector3d& origin,
 }
 
 std::optional<Mirrored> MirrorAt(const BallView& view, const Vector2d& pixel) {
-  const int column = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, view.rays->width() - 1);
+  const int column =
+      std::clamp(static_cast<int>(std::lround(pixel.x())), 0, view.rays->width() - 1);
   const int row = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, view.rays->height() - 1);
   const Vector2d off(pixel.x() - column, pixel.y() - row);
   if (!(off.cwiseAbs().maxCoeff() <= 1.0)) return std::nullopt;
@@ -73,7 +74,19 @@ std::optional<Vector3d> MirrorPoint(const Ball& ball, const Vector3d& eye, const
   return point;
 }
 
-double RadiusInPixels(const BallView& view, const CameraModel& camera) {
+std::optional<Vector2d> PixelOfLight(const BallView& view, const Vector3d& u, double rho) {
+  const auto point = MirrorPoint(view.ball, view.X_WC.translation, u, rho);
+  if (!point) return std::nullopt;
+  const Vector2d pixel = view.camera->Project({view.X_WC.Inverse() * *point}).front();
+  const bool inside = pixel.x() >= -0.5 && pixel.y() >= -0.5 &&
+                      pixel.x() <= view.camera->width() - 0.5 &&
+                      pixel.y() <= view.camera->height() - 0.5;
+  if (!inside) return std::nullopt;
+  return pixel;
+}
+
+double RadiusInPixels(const BallView& view) {
+  const CameraModel& camera = *view.camera;
   const Vector3d center_C = view.X_WC.Inverse() * view.ball.center;
   const double distance = center_C.norm();
   if (!(distance > view.ball.radius) || !(center_C.z() > 0.0)) return 0.0;

@@ -27,8 +27,9 @@ struct Mirrored {
 std::optional<Mirrored> MirrorOnBall(const Ball& ball, const Eigen::Vector3d& origin,
                                      const Eigen::Vector3d& ray);
 
-// A camera that looks at a ball. The rays outlive it.
+// A camera that looks at a ball. Camera and rays, which are that camera's, outlive it.
 struct BallView {
+  const CameraModel* camera = nullptr;
   const RayGrid* rays = nullptr;
   Pose X_WC;
   Ball ball;
@@ -46,8 +47,12 @@ std::optional<Eigen::Matrix<double, 3, 2>> MirrorDifferential(const BallView& vi
 std::optional<Eigen::Vector3d> MirrorPoint(const Ball& ball, const Eigen::Vector3d& eye,
                                            const Eigen::Vector3d& u, double rho);
 
+// Where in the picture the ball shows the light. Nothing if it does not.
+std::optional<Eigen::Vector2d> PixelOfLight(const BallView& view, const Eigen::Vector3d& u,
+                                            double rho);
+
 // Pixels that the ball's radius spans, seen from the side.
-double RadiusInPixels(const BallView& view, const CameraModel& camera);
+double RadiusInPixels(const BallView& view);
 
 // Two unit vectors across unit u.
 Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& u);

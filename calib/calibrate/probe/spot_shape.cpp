@@ -19,11 +19,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Levels, as shares of the peak, at which a spot is cut off: what is above counts by how much it is
-// above, so that nothing jumps where a pixel comes in. Low ones use all of a spot, high ones keep
-// away from its tails and neighbours. The first is where the spot is; the others tell how lopsided
-// it is.
-constexpr std::array<double, 3> kOpenLevels{0.15, 0.3, 0.5};
-constexpr std::array<double, 3> kClippedLevels{0.3, 0.15, 0.5};
+// above, so that nothing jumps where a pixel comes in. The first uses nearly all of a spot, of a
+// clipped one the soft rim, and says where it is; from one to the next, what is lopsided moves.
+constexpr std::array<double, 3> kLevels{0.15, 0.3, 0.5};
 // Blur of lens and pixel, sigma in pixels, of which nothing is known: between none and twice this.
 constexpr double kBlur = 0.6;
 // Pixels. What sampling leaves of a small spot's place; half of a pixel is lost at a clipped edge.
@@ -31,9 +29,9 @@ constexpr double kOpenFloor = 0.01;
 constexpr double kClippedFloor = 0.04;
 
 struct Weighted {
-  Vector2d pixel;   // of the picture
-  double weight;    // radiance above the level
-  double slope;     // d weight / d radiance
+  Vector2d pixel;  // of the picture
+  double weight;   // radiance above the level
+  double slope;    // d weight / d radiance
 };
 
 std::vector<Weighted> Above(const SpotMaps& maps, const cv::Mat1b& flooded, double level) {
@@ -53,8 +51,8 @@ std::vector<Weighted> Above(const SpotMaps& maps, const cv::Mat1b& flooded, doub
 struct Moments {
   double sum = 0.0;
   Vector2d mean = Vector2d::Zero();
-  Matrix2d spread = Matrix2d::Zero();            // second moments
-  Matrix2d noise = Matrix2d::Zero();             // of the mean, for a noise of 1
+  Matrix2d spread = Matrix2d::Zero();  // second moments
+  Matrix2d noise = Matrix2d::Zero();   // of the mean, for a noise of 1
 };
 
 Moments MomentsOf(const std::vector<Weighted>& pixels) {
@@ -89,8 +87,8 @@ struct Patch {
   double extent = 0.0;                     // radians
 };
 
-// The spot summed over directions. A lens's blur B of variance s^2 is taken back to second order: the sum
-// over the blurred picture of f - s^2/2 Laplacian f is that over the sharp one of f.
+// The spot summed over directions. A lens's blur B of variance s^2 is taken back to second order:
+// the sum over the blurred picture of f - s^2/2 Laplacian f is that over the sharp one of f.
 std::optional<Patch> PatchOfSpot(const BallView& view, const std::vector<Weighted>& pixels,
                                  double blur) {
   Vector3d sum = Vector3d::Zero();
@@ -101,7 +99,8 @@ std::optional<Patch> PatchOfSpot(const BallView& view, const std::vector<Weighte
     if (!here) return std::nullopt;
     Vector3d of_direction = -4.0 * *here;
     double of_angle = -4.0 * here->norm();
-    for (const Vector2d& step : {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1)}) {
+    for (const Vector2d& step :
+         {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1)}) {
       const auto beside = PatchOf(view, at.pixel + step);
       if (!beside) return std::nullopt;
       of_direction += *beside;
@@ -127,7 +126,8 @@ std::optional<Patch> PatchOfSpot(const BallView& view, const std::vector<Weighte
 }
 
 // The image point near `pixel` that sees a direction.
-std::optional<Vector2d> PixelSeeing(const BallView& view, Vector2d pixel, const Vector3d& direction) {
+std::optional<Vector2d> PixelSeeing(const BallView& view, Vector2d pixel,
+                                    const Vector3d& direction) {
   for (int i = 0; i < 8; ++i) {
     const auto seen = MirrorAt(view, pixel);
     const auto differential = MirrorDifferential(view, pixel);
@@ -162,8 +162,7 @@ void MeasureLevels(const SpotMaps& maps, const cv::Mat1b& flooded, Spot& spot) {
       }
   for (int row = 0; row < flooded.rows; ++row)
     for (int column = 0; column < flooded.cols; ++column)
-      if (flooded(row, column) &&
-          maps.grey(row, column) - maps.ground(row, column) >= 0.5 * peak)
+      if (flooded(row, column) && maps.grey(row, column) - maps.ground(row, column) >= 0.5 * peak)
         spot.area_px += 1.0;
   spot.peak = peak;
   spot.noise = maps.noise;
@@ -174,11 +173,10 @@ std::optional<Vector2d> MeasurePlace(const SpotMaps& maps, const Peak& peak, con
                                      Spot& spot) {
   Vector2d place = Vector2d::Zero();
   Matrix2d shape = Matrix2d::Zero();
-  const auto& levels = spot.clipped ? kClippedLevels : kOpenLevels;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
+  for (std::size_t i = 0; i < kLevels.size(); ++i) {
     bool cut = false;
-    const cv::Mat1b flooded = WithRim(maps, peak, levels[i], &cut);
-    const double level = std::max(levels[i] * spot.peak, double{peak.saddle});
+    const cv::Mat1b flooded = WithRim(maps, peak, kLevels[i], &cut);
+    const double level = std::max(kLevels[i] * spot.peak, double{peak.saddle});
     const auto pixels = Above(maps, flooded, level);
     const Moments moments = MomentsOf(pixels);
     if (!(moments.sum > 0.0)) return std::nullopt;

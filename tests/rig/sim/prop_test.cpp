@@ -158,7 +158,7 @@ TEST(Prop, PicturesOfAPropHaveNoiseOfTheirOwn) {
   for (const bool prop : {true, false}) {
     const SimulationConfig config =
         WorldOf(std::string("sensor: {bits: 16, noise_relative: 0.01}\n") +
-                   (prop ? "prop: {kind: flat}" : ""));
+                (prop ? "prop: {kind: flat}" : ""));
     const auto table = std::make_shared<MockTurntable>(config.table);
     auto camera = MockCamera::Create(config.camera, table);
     ASSERT_TRUE(camera);

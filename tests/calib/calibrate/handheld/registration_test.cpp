@@ -80,13 +80,15 @@ TEST(Registration, ABoardThatLooksTheSameFromFourSidesKeepsThem) {
   const auto registered = RegisterViews(Camera(), views, Pose{}, FourSides());
   for (std::size_t i = 0; i < registered.size(); ++i) {
     ASSERT_TRUE(registered[i].pose) << registered[i].why_left_out;
-    EXPECT_NEAR(std::remainder(AzimuthDeg(registered[i]) - 10.0 * static_cast<double>(i), 360.0), 0.0, 0.2);
+    EXPECT_NEAR(std::remainder(AzimuthDeg(registered[i]) - 10.0 * static_cast<double>(i), 360.0),
+                0.0, 0.2);
   }
 }
 
 TEST(Registration, ATurnThatCannotBeToldIsLeftOut) {
   const auto registered =
-      RegisterViews(Camera(), {See(0.0, 0.0, 0.1), See(46.0, 0.0, 0.1), See(10.0, 0.0, 0.1)}, Pose{}, FourSides());
+      RegisterViews(Camera(), {See(0.0, 0.0, 0.1), See(46.0, 0.0, 0.1), See(10.0, 0.0, 0.1)},
+                    Pose{}, FourSides());
   EXPECT_FALSE(registered[1].pose);
   EXPECT_THAT(registered[1].why_left_out, HasSubstr("which side is up cannot be told"));
   EXPECT_TRUE(registered[2].pose);
@@ -100,11 +102,13 @@ TEST(Registration, TheCovarianceGoesWithTheNumbering) {
   turn.translation = shift;
   options.same_looking = {turn};
   PlaneView other = See(20.0, 0.0, 0.1);
-  for (SeenPosition& point : other.points) point.p_B = (turn * Eigen::Vector3d(point.p_B.x(), point.p_B.y(), 0.0)).head<2>();
+  for (SeenPosition& point : other.points)
+    point.p_B = (turn * Eigen::Vector3d(point.p_B.x(), point.p_B.y(), 0.0)).head<2>();
   const auto direct = RegisterViews(Camera(), {See(20.0, 0.0, 0.1)}, Pose{}, {});
   const auto carried = RegisterViews(Camera(), {See(15.0, 0.0, 0.0), other}, Pose{}, options);
   ASSERT_TRUE(carried[1].pose) << carried[1].why_left_out;
-  EXPECT_NEAR((carried[1].pose->X_CB.translation - direct[0].pose->X_CB.translation).norm(), 0.0, 1e-5);
+  EXPECT_NEAR((carried[1].pose->X_CB.translation - direct[0].pose->X_CB.translation).norm(), 0.0,
+              1e-5);
   EXPECT_TRUE(carried[1].pose->covariance.isApprox(direct[0].pose->covariance, 1e-3));
 }
 

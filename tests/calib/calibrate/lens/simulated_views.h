@@ -12,9 +12,9 @@ namespace turnlight::calib::calibrate::lens {
 
 struct SimulatedViews {
   int pictures = 20;
-  double noise_px = 0.3;       // standard deviation per axis
-  double tilt_deg = 35.0;      // largest, about the board's x and y
-  double width_share = 0.5;    // of the picture's width that the board takes, about
+  double noise_px = 0.3;     // standard deviation per axis
+  double tilt_deg = 35.0;    // largest, about the board's x and y
+  double width_share = 0.5;  // of the picture's width that the board takes, about
   Eigen::Vector2d warp{0.0, 0.0};
   std::uint64_t pose_seed = 1, noise_seed = 1;
 };

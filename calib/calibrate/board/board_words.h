@@ -1,0 +1,27 @@
+// A board as a person writes it, on a command line or in a config.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "calib/calibrate/board/board.h"
+
+namespace turnlight::calib::calibrate::board {
+
+struct BoardWords {
+  std::string size;  // "COLSxROWS": inner corners, or tags of a grid
+  // mm; between neighbouring corners, or from the left edge of a tag to that of the next one
+  std::optional<double> square_mm;
+  std::optional<double> marker_mm;  // side of a marker or tag; only with a dictionary
+  std::string charuco;              // dictionary of a ChArUco board's markers; empty if it is none
+  std::string apriltag;             // dictionary of a grid of tags, likewise
+};
+
+// Lengths in mm. Fails (kInput) with the option's name, the value and what is allowed.
+Result<Board> ParseBoard(const BoardWords& words);
+
+// "a chessboard of 10 x 7 inner corners 18 mm apart"
+std::string BoardText(const Board& board);
+
+}  // namespace turnlight::calib::calibrate::board

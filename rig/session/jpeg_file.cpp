@@ -1,0 +1,152 @@
+// JPEG by libjpeg. Its errors jump over this file's frames, so that nothing with a destructor is
+// made between setjmp and the last call.
+#include "rig/session/jpeg_file.h"
+
+#include <cstdio>
+// After cstdio, whose FILE they use.
+#include <jerror.h>
+#include <jpeglib.h>
+
+#include <csetjmp>
+#include <cstring>
+#include <exception>
+#include <string_view>
+
+#include "rig/session/image_formats.h"
+
+namespace turnlight::rig {
+namespace {
+
+constexpr int kMostPasses = 100;  // a progressive file has ten; each takes as long as the picture
+constexpr unsigned kExifMarker = JPEG_APP0 + 1;
+
+struct Reader {
+  jpeg_decompress_struct jpeg;
+  jpeg_error_mgr errors;
+  jpeg_progress_mgr progress;
+  std::jmp_buf back;
+  char message[JMSG_LENGTH_MAX];
+};
+
+Reader& ReaderOf(j_common_ptr jpeg) { return *static_cast<Reader*>(jpeg->client_data); }
+
+[[noreturn]] void JumpBack(j_common_ptr jpeg) {
+  Reader& reader = ReaderOf(jpeg);
+  reader.errors.format_message(jpeg, reader.message);
+  std::longjmp(reader.back, 1);
+}
+
+// Warnings are of damage that libjpeg fills with grey: no measurement. Bytes between two markers
+// are none.
+void OnMessage(j_common_ptr jpeg, int level) {
+  if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA) JumpBack(jpeg);
+}
+
+void OnProgress(j_common_ptr jpeg) {
+  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number <= kMostPasses) return;
+  Reader& reader = ReaderOf(jpeg);
+  std::snprintf(reader.message, sizeof(reader.message), "more than %d passes", kMostPasses);
+  std::longjmp(reader.back, 1);
+}
+
+void Begin(Reader& reader, const std::string& bytes) {
+  reader.jpeg.err = jpeg_std_error(&reader.errors);
+  reader.errors.error_exit = JumpBack;
+  reader.errors.emit_message = OnMessage;
+  reader.jpeg.client_data = &reader;
+  jpeg_create_decompress(&reader.jpeg);
+  reader.progress.progress_monitor = OnProgress;
+  reader.jpeg.progress = &reader.progress;
+  jpeg_mem_src(&reader.jpeg, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  jpeg_save_markers(&reader.jpeg, kExifMarker, 0xFFFF);
+}
+
+// False with a message.
+bool ReadHeader(Reader& reader) {
+  if (setjmp(reader.back) != 0) return false;
+  jpeg_read_header(&reader.jpeg, TRUE);
+  reader.jpeg.out_color_space = JCS_GRAYSCALE;
+  return true;
+}
+
+bool ReadRows(Reader& reader, unsigned char* rows, std::size_t step) {
+  if (setjmp(reader.back) != 0) return false;
+  jpeg_start_decompress(&reader.jpeg);
+  while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
+    JSAMPROW row = rows + step * reader.jpeg.output_scanline;
+    jpeg_read_scanlines(&reader.jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&reader.jpeg);
+  return true;
+}
+
+// A number of a TIFF's bytes, of either order; 0 beyond their end.
+unsigned TiffNumber(std::string_view tiff, std::size_t at, int count) {
+  const bool little = tiff.starts_with("II");
+  unsigned value = 0;
+  for (int i = 0; i < count; ++i) {
+    const std::size_t place = at + static_cast<std::size_t>(little ? count - 1 - i : i);
+    if (place >= tiff.size()) return 0;
+    value = value << 8 | static_cast<unsigned char>(tiff[place]);
+  }
+  return value;
+}
+
+// The orientation in an EXIF marker's bytes; 1 if there is none.
+int ExifOrientation(std::string_view exif) {
+  constexpr std::string_view kBegin("Exif\0\0", 6);
+  constexpr unsigned kOrientationTag = 0x0112;
+  if (!exif.starts_with(kBegin)) return 1;
+  const std::string_view tiff = exif.substr(kBegin.size());
+  const std::size_t folder = TiffNumber(tiff, 4, 4);
+  const unsigned entries = TiffNumber(tiff, folder, 2);
+  for (unsigned i = 0; i < entries; ++i) {
+    const std::size_t entry = folder + 2 + std::size_t{12} * i;
+    if (TiffNumber(tiff, entry, 2) != kOrientationTag) continue;
+    const unsigned value = TiffNumber(tiff, entry + 8, 2);
+    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
+  }
+  return 1;
+}
+
+Result<JpegPicture> Decode(Reader& reader, const std::string& bytes, const std::string& file) {
+  const auto damaged = [&] {
+    return InputError(file + ": damaged or truncated JPEG: " + reader.message);
+  };
+  if (!ReadHeader(reader)) return damaged();
+  const auto& jpeg = reader.jpeg;
+  const ImageHeader header{jpeg.image_width, jpeg.image_height, 1};
+  if (const Status status = CheckImageHeader(header, file, {}, bytes.size()); !status)
+    return Forward(status);
+  if (jpeg.num_components != 1 && jpeg.num_components != 3)
+    return InputError(file + ": a JPEG of " + std::to_string(jpeg.num_components) +
+                      " channels, allowed are grey (1) and colour (3)");
+  JpegPicture picture;
+  for (auto* marker = jpeg.marker_list; marker != nullptr; marker = marker->next)
+    if (picture.orientation == 1)
+      picture.orientation = ExifOrientation(
+          {reinterpret_cast<const char*>(marker->data), std::size_t{marker->data_length}});
+  picture.grey.create(static_cast<int>(jpeg.image_height), static_cast<int>(jpeg.image_width),
+                      CV_8U);
+  if (!ReadRows(reader, picture.grey.data, picture.grey.step)) return damaged();
+  return picture;
+}
+
+}  // namespace
+
+Result<JpegPicture> DecodeJpeg(const std::string& bytes, const std::string& file) {
+  if (!bytes.starts_with("\xff\xd8\xff"))
+    return InputError(file + ": not a JPEG file: its first 3 bytes are not JPEG's");
+  Reader reader{};
+  Begin(reader, bytes);
+  Result<JpegPicture> picture = InputError("");
+  try {
+    picture = Decode(reader, bytes, file);
+  } catch (const std::exception& error) {
+    picture = InputError(file + ": " + error.what());
+  }
+  jpeg_destroy_decompress(&reader.jpeg);
+  return picture;
+}
+
+}  // namespace turnlight::rig
