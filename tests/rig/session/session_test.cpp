@@ -269,7 +269,8 @@ TEST_F(SessionTest, ExposureOnSomeFramesIsRefused) {
 TEST_F(SessionTest, ACurveComesBackToTheBit) {
   Session session = FullSession();
   session.radiometry.encoding = calib::Encoding::kCurve;
-  session.radiometry.curve = {{0.0, 0.0}, {1.0 / 3.0, 0.1}, {0.7, std::nextafter(0.1, 1.0)}, {1.0, 1.0}};
+  session.radiometry.curve = {
+      {0.0, 0.0}, {1.0 / 3.0, 0.1}, {0.7, std::nextafter(0.1, 1.0)}, {1.0, 1.0}};
   ASSERT_TRUE(WriteSession(session, root()));
   const auto read = ReadSession(root());
   ASSERT_TRUE(read) << read.error().text;
@@ -300,7 +301,9 @@ TEST_F(SessionTest, ValuesOutOfRangeAreRefused) {
            {"/radiometry/vignetting",
             {{"center", {1, 2}}, {"radius", 0}, {"coefficients", {0.1}}},
             "vignetting/radius: 0, allowed"},
-           {"/radiometry/noise", {{"read_noise_dn", 0}, {"dn_per_electron", 0}}, "a number above 0"},
+           {"/radiometry/noise",
+            {{"read_noise_dn", 0}, {"dn_per_electron", 0}},
+            "a number above 0"},
            {"/radiometry/noise", {{"read_noise_dn", 1}}, "dn_per_electron"},
            {"/radiometry/white_balance", {1, 0, 1}, "white_balance: [1,0,1], allowed"},
            {"/radiometry/bayer", "RGBG", "bayer: \"RGBG\", allowed is one of RGGB"},
