@@ -42,8 +42,9 @@ class Companions {
   static Result<Companions> Read(const std::vector<std::string>& files, const char* option,
                                  const rig::Session& session) {
     if (files.size() > 1 && files.size() != session.frames.size())
-      return InputError(Format("%s: %zu pictures, allowed are one, or one for each of the %zu frames",
-                               option, files.size(), session.frames.size()));
+      return InputError(
+          Format("%s: %zu pictures, allowed are one, or one for each of the %zu frames", option,
+                 files.size(), session.frames.size()));
     Companions companions(files, session);
     if (files.size() != 1) return companions;
     auto picture = companions.Load(0, {});
@@ -80,10 +81,11 @@ Status CheckTogether(const rig::Session& session, const rig::RigCalibration& cal
                       "\", allowed is the session's, \"" + session.length_unit + "\"");
   const cv::Size taken(session.camera->width(), session.camera->height());
   if (taken != calibration.devices.resolution)
-    return InputError(Format("%s: identity/camera/resolution: %d x %d, the session's pictures are "
-                             "%d x %d; allowed is a calibration of pictures like these",
-                             calibration.source.c_str(), calibration.devices.resolution.width,
-                             calibration.devices.resolution.height, taken.width, taken.height));
+    return InputError(
+        Format("%s: identity/camera/resolution: %d x %d, the session's pictures are "
+               "%d x %d; allowed is a calibration of pictures like these",
+               calibration.source.c_str(), calibration.devices.resolution.width,
+               calibration.devices.resolution.height, taken.width, taken.height));
   for (std::size_t i = 0; i < session.frames.size(); ++i)
     if (!session.frames[i].angle_deg && !session.frames[i].angle_measured_deg)
       return InputError(Format("%s: frames/%zu/angle_deg: missing, allowed is the table's angle",
@@ -144,8 +146,9 @@ Result<Observed> Observe(const rig::Session& session, const TargetArguments& arg
     progress.Step();
   }
   if (observed.from_masks)
-    observed.remarks.push_back("some outlines are those of the session's masks, as the pictures "
-                               "show no clear edges there");
+    observed.remarks.push_back(
+        "some outlines are those of the session's masks, as the pictures "
+        "show no clear edges there");
   return observed;
 }
 
@@ -191,16 +194,18 @@ Status WriteAll(const rig::RigCalibration& calibration, const calib::TargetShape
                 const std::vector<std::string>& remarks, const fs::path& out) {
   calib::TargetShape fitted = shape;
   if (auto* sphere = std::get_if<calib::SphereShape>(&fitted)) sphere->radius = placed.radius;
-  Status status = WriteFileAtomic(
-      out / "placement.json",
-      PrintPlacement(placed, observed.views, calibration.length_unit, remarks));
+  Status status =
+      WriteFileAtomic(out / "placement.json",
+                      PrintPlacement(placed, observed.views, calibration.length_unit, remarks));
   if (status)
-    status = rig::WriteImage(out / "placement.png",
-                             placement::OverlayPage(observed.shown, calibration, fitted,
-                                                    observed.views, placed));
+    status = rig::WriteImage(
+        out / "placement.png",
+        placement::OverlayPage(observed.shown, calibration, fitted, observed.views, placed));
   if (status)
-    status = rig::WriteImage(out / "residuals.png", placement::ResidualPage(observed.views, placed));
-  if (status) status = rig::WriteRigCalibration(placement::WithTarget(calibration, placed),
+    status =
+        rig::WriteImage(out / "residuals.png", placement::ResidualPage(observed.views, placed));
+  if (status)
+    status = rig::WriteRigCalibration(placement::WithTarget(calibration, placed),
                                       out / "rig-calibration.json");
   return status;
 }
@@ -244,8 +249,9 @@ int CalibrateTarget(const TargetArguments& arguments) {
 }
 
 void AddOptions(CLI::App& command, TargetArguments& arguments) {
-  command.add_option("SESSION", arguments.session,
-                     "A session with the target on the table; its poses are not used")
+  command
+      .add_option("SESSION", arguments.session,
+                  "A session with the target on the table; its poses are not used")
       ->required();
   command
       .add_option("--calibration", arguments.calibration,
@@ -254,16 +260,20 @@ void AddOptions(CLI::App& command, TargetArguments& arguments) {
       ->type_name("FILE");
   AddOut(command, arguments.out,
          "Folder for rig-calibration.json with X_AT, placement.json, masks and the report");
-  command.add_option("--empty", arguments.empty,
-                     "Picture of the empty table: one, or one for each frame")
+  command
+      .add_option("--empty", arguments.empty,
+                  "Picture of the empty table: one, or one for each frame")
       ->type_name("IMAGE");
-  command.add_option("--lamp-off", arguments.lamp_off,
-                     "Picture with the lamps off, subtracted: one, or one for each frame")
+  command
+      .add_option("--lamp-off", arguments.lamp_off,
+                  "Picture with the lamps off, subtracted: one, or one for each frame")
       ->type_name("IMAGE");
-  command.add_option("--points", arguments.points,
-                     "Picked points, a line each: frame, x, y, X, Y, Z (pixels; the target's frame)")
+  command
+      .add_option("--points", arguments.points,
+                  "Picked points, a line each: frame, x, y, X, Y, Z (pixels; the target's frame)")
       ->type_name("FILE");
-  command.add_flag("--fit-radius", arguments.options.fit_radius, "Of a sphere, find the radius too");
+  command.add_flag("--fit-radius", arguments.options.fit_radius,
+                   "Of a sphere, find the radius too");
   command.add_flag("--upright", arguments.options.upright,
                    "A mesh whose z axis is along the table's: try all angles about it");
   command
@@ -278,8 +288,10 @@ void AddOptions(CLI::App& command, TargetArguments& arguments) {
 void AddCalibrateTarget(CLI::App& calibrate, Action& action) {
   CLI::App* command = AddCommand(
       calibrate, "target",
-      "Where the target stands on the table: X_AT from its outlines at several angles. Masks are the "
-      "session's; without them what differs from --empty, or what is bright before a dark background",
+      "Where the target stands on the table: X_AT from its outlines at several angles. Masks are "
+      "the "
+      "session's; without them what differs from --empty, or what is bright before a dark "
+      "background",
       "turnlight calibrate target my_session --calibration axis/rig-calibration.json --out target");
   auto arguments = std::make_shared<TargetArguments>();
   AddOptions(*command, *arguments);

@@ -21,9 +21,9 @@ constexpr double kSquare = 1e-3;  // of the sides, relative: below, outlines can
 // same: less is what the facets of a turned body do.
 constexpr double kSameOutline = 0.25, kSameOutlineShare = 0.004;
 constexpr double kTurnsDeg[] = {17.0, 40.0, 71.0, 104.0, 139.0, 180.0};
-constexpr double kDifferentDeg = 0.5;   // between angles that count as two
-constexpr double kManyOutliers = 0.1;   // share of a view's points
-constexpr double kOffsetSurprise = 3.0; // sigma of the prior
+constexpr double kDifferentDeg = 0.5;    // between angles that count as two
+constexpr double kManyOutliers = 0.1;    // share of a view's points
+constexpr double kOffsetSurprise = 3.0;  // sigma of the prior
 
 void ChooseTurnOfPlane(const calib::PlaneShape& plane, Placement& placement) {
   const bool square = std::abs(plane.width - plane.height) < kSquare * plane.width;
@@ -86,7 +86,8 @@ void FindSymmetry(const Problem& problem, const Fit& fit, Placement& placement) 
   const Vector3d& axis = *placement.symmetry_axis;
   placement.remarks.push_back(Format(
       "the outlines are the same however the target is turned about (%.2f, %.2f, %.2f) of T: the "
-      "rotation about it is not determined, which its covariance says; picked points alone decide it",
+      "rotation about it is not determined, which its covariance says; picked points alone decide "
+      "it",
       axis.x(), axis.y(), axis.z()));
 }
 
@@ -138,10 +139,10 @@ void AddRemarks(const calib::TargetShape& shape, const std::vector<View>& views,
     const ViewFit& view = placement.views[v];
     const double lost = static_cast<double>(view.points - view.used);
     if (view.points > 0 && lost > kManyOutliers * static_cast<double>(view.points))
-      remarks.push_back(Format("%s: %.0f %% of the outline does not belong to the target and is "
-                               "left out: a shadow, a holder, or something before it",
-                               views[v].label.c_str(),
-                               100.0 * lost / static_cast<double>(view.points)));
+      remarks.push_back(
+          Format("%s: %.0f %% of the outline does not belong to the target and is "
+                 "left out: a shadow, a holder, or something before it",
+                 views[v].label.c_str(), 100.0 * lost / static_cast<double>(view.points)));
   }
 }
 

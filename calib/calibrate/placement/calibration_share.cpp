@@ -41,7 +41,8 @@ ByGeometry PointByGeometry(const calib::TurntableGeometry& geometry, double angl
   ByGeometry by;
   by.X_WC << R_CW * Cross(from_camera), -R_CW;
   by.X_WA << -R_CW * Cross(turned_A), R_CW;
-  by.angle_offset = R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
+  by.angle_offset =
+      R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
   by.angle_scale = by.angle_offset * angle_deg;
   return by;
 }
@@ -114,9 +115,8 @@ Sums SumOverResiduals(const Problem& problem, const Fit& fit, const MatrixXd& ga
     if (!fit.used[i]) continue;
     const Residual& residual = fit.residuals[i];
     const VectorXd gain = gains.col(static_cast<Eigen::Index>(i));
-    const ByGeometry by =
-        PointByGeometry(problem.calibration.geometry, problem.views[residual.view].angle_deg,
-                        residual.p_A);
+    const ByGeometry by = PointByGeometry(problem.calibration.geometry,
+                                          problem.views[residual.view].angle_deg, residual.p_A);
     sums.X_WC += gain * (residual.by_p_C * by.X_WC);
     sums.X_WA += gain * (residual.by_p_C * by.X_WA);
     sums.angle_scale += gain * (residual.by_p_C * by.angle_scale);

@@ -1,4 +1,5 @@
-// What the calibration's own uncertainty does to a placement, to first order. Internal to this folder.
+// What the calibration's own uncertainty does to a placement, to first order. Internal to this
+// folder.
 #pragma once
 
 #include <Eigen/Core>

@@ -80,8 +80,8 @@ void ContourFinder::CollectEdges() {
 std::vector<ContourFinder::Piece> ContourFinder::FindPieces(const Vector3d& p_TC) const {
   const auto seen = [&](int face) {
     const auto f = static_cast<std::size_t>(face);
-    return face_normals_[f].dot(
-               p_TC - mesh_.vertices[static_cast<std::size_t>(mesh_.faces[f][0])]) > 0.0;
+    return face_normals_[f].dot(p_TC -
+                                mesh_.vertices[static_cast<std::size_t>(mesh_.faces[f][0])]) > 0.0;
   };
   std::vector<Piece> pieces;
   for (const Edge& edge : edges_) {
@@ -105,8 +105,8 @@ void AddSegments(const Vector3d& a_T, const Vector3d& b_T, const Vector2d& a, co
                  const Vector2d& inside, const calib::Pose& X_CT, const calib::CameraModel& camera,
                  std::vector<Segment>& segments) {
   if (!a.allFinite() || !b.allFinite() || !inside.allFinite()) return;
-  const int count =
-      static_cast<int>(std::clamp(std::ceil((b - a).norm() / kLongestPiece), 1.0, 1.0 * kMostPieces));
+  const int count = static_cast<int>(
+      std::clamp(std::ceil((b - a).norm() / kLongestPiece), 1.0, 1.0 * kMostPieces));
   std::vector<Vector3d> p_T, p_C;
   for (int i = 0; i <= count; ++i) {
     p_T.push_back(a_T + (b_T - a_T) * (static_cast<double>(i) / count));

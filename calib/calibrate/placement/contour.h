@@ -1,5 +1,5 @@
-// The contour generator of a shape: where its surface turns away from the camera, as far as it bounds
-// the picture of the whole shape. Internal to this folder.
+// The contour generator of a shape: where its surface turns away from the camera, as far as it
+// bounds the picture of the whole shape. Internal to this folder.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,8 +30,8 @@ class ContourFinder {
 
  private:
   struct Edge {
-    int a, b;          // vertices
-    int face, other;   // faces at it; other = -1: only one
+    int a, b;         // vertices
+    int face, other;  // faces at it; other = -1: only one
   };
   struct Piece;
   void CollectEdges();

@@ -17,20 +17,20 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kTukey = 4.685;        // 95 % efficient for normal residuals
-constexpr double kOutlier = 4.0;        // sigma
-constexpr double kSmallestScale = 1e-4; // of value / sigma; exact outlines have none
+constexpr double kTukey = 4.685;         // 95 % efficient for normal residuals
+constexpr double kOutlier = 4.0;         // sigma
+constexpr double kSmallestScale = 1e-4;  // of value / sigma; exact outlines have none
 // With fewer residuals their own size says too little: the stated sigma is believed, and none is an
 // outlier.
 constexpr std::size_t kFewResiduals = 40;
-constexpr int kApproach = 12;           // steps with Tukey's weights
-constexpr double kConverged = 1e-6;     // of a step, in units of its sigma
-constexpr double kLongestTurn = 0.25;   // radians of one step
-constexpr double kNeighbours = 4.0;     // pixels between points of one piece of an outline
-constexpr int kMostLags = 100;          // points along an outline
+constexpr int kApproach = 12;          // steps with Tukey's weights
+constexpr double kConverged = 1e-6;    // of a step, in units of its sigma
+constexpr double kLongestTurn = 0.25;  // radians of one step
+constexpr double kNeighbours = 4.0;    // pixels between points of one piece of an outline
+constexpr int kMostLags = 100;         // points along an outline
 // A step is held back as if it were known to be 0 with this sigma: a direction that nothing
 // determines does not wander, and one that is determined does not notice.
-constexpr double kStepTurn = 0.5;       // radians
+constexpr double kStepTurn = 0.5;  // radians
 
 std::vector<int> FreeParameters(const Problem& problem) {
   std::vector<int> free;
@@ -47,8 +47,8 @@ std::vector<calib::Pose> TablePoses(const Problem& problem) {
 }
 
 std::size_t CountValid(const std::vector<Residual>& residuals) {
-  return static_cast<std::size_t>(std::count_if(residuals.begin(), residuals.end(),
-                                                [](const Residual& r) { return r.valid; }));
+  return static_cast<std::size_t>(
+      std::count_if(residuals.begin(), residuals.end(), [](const Residual& r) { return r.valid; }));
 }
 
 // From the median, so that up to half may be outliers; of few, from all.
@@ -62,9 +62,8 @@ double ScaleOf(const std::vector<Residual>& residuals, std::size_t parameters) {
   }
   const std::size_t count = sizes.size();
   if (count < kFewResiduals)
-    return std::max(1.0, count > parameters
-                             ? std::sqrt(sum / static_cast<double>(count - parameters))
-                             : 1.0);
+    return std::max(
+        1.0, count > parameters ? std::sqrt(sum / static_cast<double>(count - parameters)) : 1.0);
   return std::max(kSmallestScale, Median(sizes) / kMedianOfNormal);
 }
 
@@ -336,7 +335,8 @@ std::vector<ViewFit> ViewFits(const Fit& fit, const Shifts& shifts) {
     view.rms += fit.residuals[i].value * fit.residuals[i].value;
   }
   for (std::size_t v = 0; v < views.size(); ++v) {
-    if (views[v].used > 0) views[v].rms = std::sqrt(views[v].rms / static_cast<double>(views[v].used));
+    if (views[v].used > 0)
+      views[v].rms = std::sqrt(views[v].rms / static_cast<double>(views[v].used));
     views[v].shift = shifts.shift[v];
   }
   return views;

@@ -42,8 +42,8 @@ double LimitedCost(const std::vector<Residual>& residuals, double limit);
 // Of all parameters; those held have none.
 struct FitCovariance {
   Eigen::MatrixXd from_outlines, from_calibration;  // 8 x 8
-  rig::JointCovariance calibration;  // of the calibration's parts, without X_AT
-  Eigen::MatrixXd with_calibration;  // 8 x N, between the parameters and those parts
+  rig::JointCovariance calibration;                 // of the calibration's parts, without X_AT
+  Eigen::MatrixXd with_calibration;                 // 8 x N, between the parameters and those parts
   double wobble = 0.0;                              // pixels
   std::vector<ViewFit> views;
 };

@@ -14,17 +14,17 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kBorder = 4.0;          // pixels
-constexpr int kTangentPoints = 5;        // along the outline, on each side
-constexpr double kSampleStep = 0.25;     // pixels along the normal
-constexpr int kSamples = 45;             // from -5 to 6 pixels: the mask's edge is at 0.5
+constexpr double kBorder = 4.0;       // pixels
+constexpr int kTangentPoints = 5;     // along the outline, on each side
+constexpr double kSampleStep = 0.25;  // pixels along the normal
+constexpr int kSamples = 45;          // from -5 to 6 pixels: the mask's edge is at 0.5
 constexpr double kFirstSample = -5.0, kMaskEdge = 0.5;
 constexpr double kLevelFrom = 2.5, kLevelTo = 4.5;  // from the edge, where levels are taken
-constexpr double kFarthest = 2.5;        // pixels from the mask's edge
-constexpr double kLeastContrast = 0.25;  // of the median along the outline
-constexpr double kLeastSignal = 5.0;     // sigma of the noise
-constexpr double kLeastSigma = 0.05;     // pixels
-constexpr double kMaskBlur = 1.0;        // pixels
+constexpr double kFarthest = 2.5;                   // pixels from the mask's edge
+constexpr double kLeastContrast = 0.25;             // of the median along the outline
+constexpr double kLeastSignal = 5.0;                // sigma of the noise
+constexpr double kLeastSigma = 0.05;                // pixels
+constexpr double kMaskBlur = 1.0;                   // pixels
 constexpr std::size_t kFewContourPoints = 8;
 
 // Three channels, those that are missing 0.
@@ -42,9 +42,9 @@ double NoiseOf(const cv::Mat3f& picture) {
   for (int row = 0; row < picture.rows; row += 3)
     for (int column = 1; column + 1 < picture.cols; column += 3)
       for (int c = 0; c < 3; ++c)
-        differences[static_cast<std::size_t>(c)].push_back(
-            std::abs(picture(row, column - 1)[c] - 2.0 * picture(row, column)[c] +
-                     picture(row, column + 1)[c]));
+        differences[static_cast<std::size_t>(c)].push_back(std::abs(picture(row, column - 1)[c] -
+                                                                    2.0 * picture(row, column)[c] +
+                                                                    picture(row, column + 1)[c]));
   double noise = 0.0;
   for (auto& values : differences)
     noise = std::max(noise, SigmaOfSecondDifference(Median(values), kMedianOfNormal));
@@ -55,8 +55,8 @@ Vector3d Sample(const cv::Mat3f& picture, const Vector2d& p) {
   const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
   const double dx = p.x() - x, dy = p.y() - y;
   const auto at = [&](int row, int column) {
-    const cv::Vec3f& value = picture(std::clamp(row, 0, picture.rows - 1),
-                                     std::clamp(column, 0, picture.cols - 1));
+    const cv::Vec3f& value =
+        picture(std::clamp(row, 0, picture.rows - 1), std::clamp(column, 0, picture.cols - 1));
     return Vector3d(value[0], value[1], value[2]);
   };
   return (1.0 - dy) * ((1.0 - dx) * at(y, x) + dx * at(y, x + 1)) +
@@ -108,8 +108,8 @@ std::optional<Edge> EdgeAlong(const cv::Mat3f& signal, const Vector2d& from,
 std::optional<Vector2d> NormalAt(const std::vector<cv::Point>& contour, std::size_t i,
                                  const cv::Mat1b& mask) {
   const std::size_t count = contour.size();
-  const cv::Point along = contour[(i + kTangentPoints) % count] -
-                          contour[(i + count - kTangentPoints) % count];
+  const cv::Point along =
+      contour[(i + kTangentPoints) % count] - contour[(i + count - kTangentPoints) % count];
   Vector2d normal = Vector2d(along.y, -along.x).normalized();
   if (!normal.allFinite()) return std::nullopt;
   const auto inside = [&](double step) {

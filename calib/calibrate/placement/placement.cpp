@@ -20,13 +20,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kSteps = 60;
-constexpr int kTrialSteps = 8;            // from each start
-constexpr std::size_t kTrialPoints = 120; // of each view, while starts are compared
-constexpr std::size_t kMostPoints = 800;  // of each view; neighbours tell the same
-constexpr std::size_t kStarts = 6;        // that are refined, of those tried
-constexpr double kLeastReach = 8.0;       // pixels
-constexpr double kReachShare = 0.15;      // of the outline's extent
-constexpr std::size_t kLeastPoints = 8;   // of a view's outline
+constexpr int kTrialSteps = 8;             // from each start
+constexpr std::size_t kTrialPoints = 120;  // of each view, while starts are compared
+constexpr std::size_t kMostPoints = 800;   // of each view; neighbours tell the same
+constexpr std::size_t kStarts = 6;         // that are refined, of those tried
+constexpr double kLeastReach = 8.0;        // pixels
+constexpr double kReachShare = 0.15;       // of the outline's extent
+constexpr std::size_t kLeastPoints = 8;    // of a view's outline
 // What is still a fit: this share of the points, and this rms in pixels.
 constexpr double kLeastUsed = 0.4, kLargestRms = 4.0;
 // A worse fit than this is tried with the angles the other way round.
@@ -73,8 +73,13 @@ struct Task {
 };
 
 Problem MakeProblem(const Task& task, const std::vector<View>& views) {
-  Problem problem{task.calibration, views, {}, {}, task.options.edge_offset_sigma,
-                  task.outlines ? task.options.common_shift_sigma : 0.0, task.size};
+  Problem problem{task.calibration,
+                  views,
+                  {},
+                  {},
+                  task.options.edge_offset_sigma,
+                  task.outlines ? task.options.common_shift_sigma : 0.0,
+                  task.size};
   if (task.sphere())
     problem.model = SphereModel(task.calibration, views);
   else if (task.outlines)
@@ -89,8 +94,8 @@ Problem MakeProblem(const Task& task, const std::vector<View>& views) {
 
 Result<std::vector<State>> StartsOf(const Task& task) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&task.shape)) {
-    const auto start = StartSphere(task.calibration, task.views, sphere->radius,
-                                   task.options.fit_radius);
+    const auto start =
+        StartSphere(task.calibration, task.views, sphere->radius, task.options.fit_radius);
     if (start) return std::vector{*start};
     return InputError(task.options.fit_radius
                           ? "the radius cannot be told from these angles: allowed are two that "
@@ -100,8 +105,9 @@ Result<std::vector<State>> StartsOf(const Task& task) {
   if (!task.picked.empty()) {
     auto starts = StartPicked(task.calibration, task.views, task.picked, task.size, 4);
     if (!starts.empty()) return starts;
-    return InputError("the picked points fit no placement in front of the camera: is each point's "
-                      "position the one of its pixel?");
+    return InputError(
+        "the picked points fit no placement in front of the camera: is each point's "
+        "position the one of its pixel?");
   }
   if (const auto* plane = std::get_if<calib::PlaneShape>(&task.shape)) {
     auto starts = StartPlane(task.calibration, task.views, *plane);
@@ -109,8 +115,9 @@ Result<std::vector<State>> StartsOf(const Task& task) {
     return InputError("no outline has four corners: pick four points of the target");
   }
   if (!task.options.upright)
-    return InputError("a mesh needs picked points to begin with, or the word that it stands "
-                      "upright on the table (its z axis along the table's)");
+    return InputError(
+        "a mesh needs picked points to begin with, or the word that it stands "
+        "upright on the table (its z axis along the table's)");
   auto starts = StartUpright(task.calibration, task.views, task.center_T, task.size);
   if (!starts.empty()) return starts;
   return InputError("the outlines are too small to tell where the mesh is");
@@ -159,8 +166,7 @@ Result<Fitted> FitAll(const Task& task, const std::vector<View>& views) {
 
 double UsedShare(const Fit& fit) {
   const auto used = std::count(fit.used.begin(), fit.used.end(), true);
-  return fit.used.empty() ? 0.0
-                          : static_cast<double>(used) / static_cast<double>(fit.used.size());
+  return fit.used.empty() ? 0.0 : static_cast<double>(used) / static_cast<double>(fit.used.size());
 }
 
 // If the outlines fit with the table going the other way round: by what rms.
@@ -193,8 +199,9 @@ Status CheckInputs(const Task& task) {
     spread += (point.p_T - mean) * (point.p_T - mean).transpose();
   const Vector3d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
   if (!task.picked.empty() && !task.sphere() && !(sizes[1] > 1e-6 * sizes[2]))
-    return InputError("the picked points lie on one line of the target, allowed are points that "
-                      "span a plane");
+    return InputError(
+        "the picked points lie on one line of the target, allowed are points that "
+        "span a plane");
   return {};
 }
 
@@ -203,8 +210,8 @@ double PixelLength(const Task& task, const State& state) {
   const Vector3d p_C = PoseOfTableInCamera(task.calibration.geometry, task.views[0].angle_deg) *
                        (state.X_AT * task.center_T);
   const double step = 1e-4 * p_C.norm();
-  const auto pixels = task.calibration.lens.Project(
-      {p_C, p_C + step * p_C.cross(Vector3d::UnitY()).normalized()});
+  const auto pixels =
+      task.calibration.lens.Project({p_C, p_C + step * p_C.cross(Vector3d::UnitY()).normalized()});
   return step / (pixels[1] - pixels[0]).norm();
 }
 
@@ -222,9 +229,10 @@ Status CheckFit(const Fit& fit, const Task& task, const std::optional<double>& r
       "with an rms of %.2f px; allowed is at least %.0f %% and at most %.0f px.",
       100.0 * UsedShare(fit), fit.rms, 100.0 * kLeastUsed, kLargestRms);
   if (reversed)
-    text += Format(" With the angles the other way round the rms is %.2f px: the table turns "
-                   "against the calibration's sense (angle_scale has the wrong sign)",
-                   *reversed);
+    text += Format(
+        " With the angles the other way round the rms is %.2f px: the table turns "
+        "against the calibration's sense (angle_scale has the wrong sign)",
+        *reversed);
   else
     text += task.picked.empty() ? " Are size, calibration and angles those of these pictures?"
                                 : " Are the picked points right, and the size and the calibration "
@@ -287,8 +295,8 @@ Result<Placement> PlaceTarget(const rig::RigCalibration& calibration,
   const bool outlines = std::any_of(views.begin(), views.end(), [](const View& view) {
     return view.outline.size() >= kLeastPoints;
   });
-  const Task task{calibration, shape,           thinned,  picked, options,
-                  geometry.center(), geometry.radius(), outlines};
+  const Task task{calibration,       shape,   thinned, picked, options, geometry.center(),
+                  geometry.radius(), outlines};
   if (Status status = CheckInputs(task); !status) return Forward(status);
   auto fitted = FitAll(task, thinned);
   if (!fitted) return Forward(fitted);

@@ -1,11 +1,11 @@
-// Where the target stands on the table: X_AT from the outlines that pictures at several angles show,
-// from picked points, or from both.
+// Where the target stands on the table: X_AT from the outlines that pictures at several angles
+// show, from picked points, or from both.
 //
 // What is fitted: a rotation vector w and a shift d of X_AT (radians and length unit, in A), the
 // radius of a sphere if asked, and an edge offset: how far the outlines that were found lie outside
 // the true ones, the same in all pictures (blur, shading, a mask's convention). The offset has a
-// normal prior, so that what only the apparent size tells, such as the distance in a single picture,
-// has a sigma that admits it.
+// normal prior, so that what only the apparent size tells, such as the distance in a single
+// picture, has a sigma that admits it.
 //
 // A shift that all outlines share and that no residual shows is allowed for in the covariance.
 //
@@ -52,8 +52,8 @@ struct PlacementOptions {
   // Pixels per axis: sigma of a shift that outlines have in all pictures alike, as the side away
   // from the lamps is always the same one. Rendered spheres with one dark side have 0.015.
   double common_shift_sigma = 0.03;
-  double picked_sigma = 1.0;       // pixels, of a picked point along each axis; positive
-  bool fit_radius = false;         // of a sphere; needs two angles that differ
+  double picked_sigma = 1.0;  // pixels, of a picked point along each axis; positive
+  bool fit_radius = false;    // of a sphere; needs two angles that differ
   // A mesh without picked points: T's z axis is along A's, every angle about it is tried.
   bool upright = false;
 };
@@ -69,7 +69,7 @@ struct PointFit {
 
 struct ViewFit {
   std::size_t points = 0, used = 0;
-  double rms = 0.0;  // pixels, of those used
+  double rms = 0.0;                                 // pixels, of those used
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();  // pixels, of this picture against the fit
 };
 
@@ -78,23 +78,23 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct Placement {
   calib::Pose X_AT;
   // Of (w, d), R -> Exp(w) R, t -> t + d in A, as rig-calibration.json has it.
-  Matrix6 covariance = Matrix6::Zero();       // the sum of the next two
-  Matrix6 from_outlines = Matrix6::Zero();    // noise, edge offset, shifts
-  Matrix6 from_calibration = Matrix6::Zero(); // camera, axis and angles, as far as they are known
+  Matrix6 covariance = Matrix6::Zero();        // the sum of the next two
+  Matrix6 from_outlines = Matrix6::Zero();     // noise, edge offset, shifts
+  Matrix6 from_calibration = Matrix6::Zero();  // camera, axis and angles, as far as they are known
   // The calibration's parts that have a covariance, and 6 x N between X_AT and them: a camera that
   // was taken to be too high makes a target too high.
   rig::JointCovariance calibration;
   Eigen::MatrixXd with_calibration;
-  double radius = 0.0, radius_sigma = 0.0;    // of a sphere; sigma 0 if it was given
+  double radius = 0.0, radius_sigma = 0.0;            // of a sphere; sigma 0 if it was given
   double edge_offset = 0.0, edge_offset_sigma = 0.0;  // pixels
-  double rms = 0.0;                // pixels, of the residuals used
-  double correlation = 1.0;        // variance of a mean of residuals over that of independent ones
-  double wobble = 0.0;             // pixels per axis, of whole pictures, above what noise explains
-  double pixel_length = 0.0;       // length unit that a pixel spans at the target
-  bool rotation_matters = true;    // false: a sphere
+  double rms = 0.0;                                   // pixels, of the residuals used
+  double correlation = 1.0;      // variance of a mean of residuals over that of independent ones
+  double wobble = 0.0;           // pixels per axis, of whole pictures, above what noise explains
+  double pixel_length = 0.0;     // length unit that a pixel spans at the target
+  bool rotation_matters = true;  // false: a sphere
   std::optional<Eigen::Vector3d> symmetry_axis;  // in T: rotation about it is not determined
   std::optional<double> reversed_rms;            // pixels; given: reversed angles fit better
-  std::vector<ViewFit> views;      // as those given
+  std::vector<ViewFit> views;                    // as those given
   std::vector<PointFit> points;
   std::vector<std::string> remarks;  // what the user should know
 };

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kTileWidth = 400, kTileHeight = 320, kAcross = 3, kMostTiles = 6;
-constexpr double kRoom = 1.25;      // of a tile around the target
+constexpr double kRoom = 1.25;         // of a tile around the target
 constexpr double kDisplayTop = 0.995;  // quantile that is white
 constexpr int kBins = 90, kCellWidth = 8, kCellHeight = 22, kLabelWidth = 150;
 const cv::Vec3b kOutlineColour(255, 176, 0), kLostColour(235, 45, 75);
@@ -62,7 +62,9 @@ cv::Mat3b Photograph(const cv::Mat& picture) {
   else
     cv::merge(std::vector<cv::Mat>{picture, picture, picture}, colour);
   std::vector<float> values(colour.ptr<float>(), colour.ptr<float>() + colour.total() * 3);
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(kDisplayTop * double(values.size() - 1)), values.end());
+  std::nth_element(values.begin(),
+                   values.begin() + static_cast<long>(kDisplayTop * double(values.size() - 1)),
+                   values.end());
   const double top = values[static_cast<std::size_t>(kDisplayTop * double(values.size() - 1))];
   return plot::ToDisplay(colour, top > 0.0 ? 1.0 / top : 1.0, 1);
 }
@@ -168,9 +170,10 @@ std::string Verdict(const Placement& placement, const std::vector<View>& views,
       placement.rms, placement.rms * placement.pixel_length, u, placement.edge_offset,
       placement.edge_offset_sigma, placement.correlation);
   text += placement.wobble > 0.0
-              ? Format("wobble: whole pictures are shifted by %.3f px rms (%.2g %s) against each "
-                       "other, more than noise explains\n",
-                       placement.wobble, placement.wobble * placement.pixel_length, u)
+              ? Format(
+                    "wobble: whole pictures are shifted by %.3f px rms (%.2g %s) against each "
+                    "other, more than noise explains\n",
+                    placement.wobble, placement.wobble * placement.pixel_length, u)
               : std::string("wobble: none that the noise would not explain\n");
   return text + ClosureText(placement, views, unit);
 }
@@ -182,9 +185,8 @@ cv::Mat3b OverlayPage(const std::vector<cv::Mat>& pictures, const rig::RigCalibr
   const std::vector<std::size_t> shown = ViewsToShow(pictures, placement);
   const int across = std::clamp(static_cast<int>(shown.size()), 1, kAcross);
   const int down = (static_cast<int>(shown.size()) + across - 1) / across;
-  cv::Mat3b page =
-      plot::Page(kMargin + across * (kTileWidth + kMargin),
-                 plot::kTitleHeight + down * (kTileHeight + kMargin) + 2 * kMargin);
+  cv::Mat3b page = plot::Page(kMargin + across * (kTileWidth + kMargin),
+                              plot::kTitleHeight + down * (kTileHeight + kMargin) + 2 * kMargin);
   plot::DrawTitle(page, kMargin, "The target where it was placed");
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const std::size_t v = shown[i];

@@ -31,8 +31,8 @@ struct Sighting {
 std::vector<Sighting> Sight(const calib::CameraModel& camera, const View& view) {
   std::vector<Vector2d> pixels;
   for (const OutlinePoint& point : view.outline)
-    for (const Vector2d& step : {Vector2d(0, 0), Vector2d(0.5, 0), Vector2d(-0.5, 0),
-                                 Vector2d(0, 0.5), Vector2d(0, -0.5)})
+    for (const Vector2d& step :
+         {Vector2d(0, 0), Vector2d(0.5, 0), Vector2d(-0.5, 0), Vector2d(0, 0.5), Vector2d(0, -0.5)})
       pixels.push_back(point.pixel + step);
   const std::vector<Vector3d> rays = camera.Unproject(pixels);
   std::vector<Sighting> sightings(view.outline.size());
@@ -57,8 +57,8 @@ Residual SphereResidual(const Sighting& seen, const Vector3d& center_C, double r
   const double radians_per_pixel = (by_ray.transpose() * seen.by_pixel).norm();
   if (!(radians_per_pixel > 0.0)) return residual;
   residual.value = (std::atan2(sine, cosine) - std::asin(ratio)) / radians_per_pixel;
-  const Vector3d by_center = (cosine * to_center - seen.ray) / (sine * distance) +
-                             slope * ratio / distance * to_center;
+  const Vector3d by_center =
+      (cosine * to_center - seen.ray) / (sine * distance) + slope * ratio / distance * to_center;
   residual.by_p_C = by_center.transpose() / radians_per_pixel;
   residual.by_radius = -slope / distance / radians_per_pixel;
   residual.valid = true;
@@ -222,8 +222,7 @@ Model SphereModel(const rig::RigCalibration& calibration, const std::vector<View
     return OfAllViews(views.size(), [&](std::size_t v) {
       std::vector<Residual> residuals;
       for (const Sighting& seen : (*sightings)[v]) {
-        residuals.push_back(
-            SphereResidual(seen, X_CA[v] * state.X_AT.translation, state.radius));
+        residuals.push_back(SphereResidual(seen, X_CA[v] * state.X_AT.translation, state.radius));
         residuals.back().p_A = state.X_AT.translation;
       }
       Complete(views[v], v, state, residuals);
@@ -238,8 +237,7 @@ Model ContourModel(const rig::RigCalibration& calibration, const calib::TargetSh
   const std::vector<calib::Pose> X_CA = PosesOfTable(calibration, views);
   return [finder, X_CA, &views, &calibration](const State& state, double reach) {
     return OfAllViews(views.size(), [&](std::size_t v) {
-      auto residuals =
-          ContourResiduals(*finder, calibration.lens, views[v], X_CA[v], state, reach);
+      auto residuals = ContourResiduals(*finder, calibration.lens, views[v], X_CA[v], state, reach);
       Complete(views[v], v, state, residuals);
       return residuals;
     });
@@ -251,7 +249,8 @@ Model PickedModel(const rig::RigCalibration& calibration, const std::vector<View
   const std::vector<calib::Pose> X_CA = PosesOfTable(calibration, views);
   return [X_CA, &calibration, &picked, sigma](const State& state, double) {
     std::vector<Vector3d> p_C;
-    for (const PickedPoint& point : picked) p_C.push_back(X_CA[point.view] * (state.X_AT * point.p_T));
+    for (const PickedPoint& point : picked)
+      p_C.push_back(X_CA[point.view] * (state.X_AT * point.p_T));
     const Projections projected = ProjectWithDerivatives(calibration.lens, p_C);
     std::vector<Residual> residuals;
     for (std::size_t i = 0; i < picked.size(); ++i)

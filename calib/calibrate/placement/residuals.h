@@ -35,7 +35,8 @@ struct Residual {
 using Model = std::function<std::vector<Residual>(const State&, double reach)>;
 
 // Camera and table at a view's angle.
-calib::Pose PoseOfTableInCamera(const calib::TurntableGeometry& geometry, double angle_deg);  // X_CA
+calib::Pose PoseOfTableInCamera(const calib::TurntableGeometry& geometry,
+                                double angle_deg);  // X_CA
 
 // d value / d parameters.
 Row ParameterRow(const Residual& residual, const State& state, const calib::Pose& X_CA);

@@ -10,11 +10,11 @@
 namespace turnlight::calib::calibrate::placement {
 namespace {
 
-constexpr double kSignificant = 6.0;      // sigma of the noise
+constexpr double kSignificant = 6.0;        // sigma of the noise
 constexpr double kLeastOfStrongest = 0.03;  // of what differs most: below, it is stray light
-constexpr double kBackgroundSigma = 8.0;  // above a dark background
-constexpr double kDarkBorder = 0.9;       // share of the border that has to be background
-constexpr double kLeastArea = 30.0;       // pixels
+constexpr double kBackgroundSigma = 8.0;    // above a dark background
+constexpr double kDarkBorder = 0.9;         // share of the border that has to be background
+constexpr double kLeastArea = 30.0;         // pixels
 // A shadow leaves between these shares of the light, the same in all channels within this.
 constexpr double kDeepestShadow = 0.05, kLightestShadow = 0.97, kSameColour = 0.05;
 // Shares of shadow that are removed: less does not matter, with more the target itself looks so.
@@ -30,9 +30,8 @@ cv::Mat1b LargestPiece(const cv::Mat1b& pixels) {
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(cleaned, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
   const auto largest = std::max_element(
-      contours.begin(), contours.end(), [](const auto& a, const auto& b) {
-        return cv::contourArea(a) < cv::contourArea(b);
-      });
+      contours.begin(), contours.end(),
+      [](const auto& a, const auto& b) { return cv::contourArea(a) < cv::contourArea(b); });
   if (largest == contours.end() || cv::contourArea(*largest) < kLeastArea) return {};
   cv::Mat1b mask(pixels.size(), uchar{0});
   cv::drawContours(mask, contours, static_cast<int>(largest - contours.begin()), cv::Scalar(255),
@@ -97,10 +96,10 @@ void RemoveShadow(const cv::Mat1b& differs, const std::vector<cv::Mat1f>& pictur
 
 Result<Segmentation> SegmentAgainstEmpty(const cv::Mat& picture, const cv::Mat& empty) {
   if (picture.size() != empty.size() || picture.type() != empty.type())
-    return InputError(Format("the picture of the empty table is %d x %d with %d channels, allowed "
-                             "is the pictures' %d x %d with %d",
-                             empty.cols, empty.rows, empty.channels(), picture.cols, picture.rows,
-                             picture.channels()));
+    return InputError(Format(
+        "the picture of the empty table is %d x %d with %d channels, allowed "
+        "is the pictures' %d x %d with %d",
+        empty.cols, empty.rows, empty.channels(), picture.cols, picture.rows, picture.channels()));
   const std::vector<cv::Mat1f> lit = Channels(picture), bare = Channels(empty);
   Segmentation found;
   cv::Mat1f strongest(picture.size(), 0.0f);
@@ -151,9 +150,10 @@ Result<Segmentation> SegmentBright(const cv::Mat& picture) {
       cv::countNonZero(target.row(0)) + cv::countNonZero(target.row(target.rows - 1)) +
       cv::countNonZero(target.col(0)) + cv::countNonZero(target.col(target.cols - 1));
   if (lit_border > (1.0 - kDarkBorder) * border)
-    return InputError(Format("its background is not dark (%.0f %% of the border is as bright as the "
-                             "target): give masks, or a picture of the empty table",
-                             100.0 * lit_border / border));
+    return InputError(
+        Format("its background is not dark (%.0f %% of the border is as bright as the "
+               "target): give masks, or a picture of the empty table",
+               100.0 * lit_border / border));
   found.mask = LargestPiece(target);
   if (found.mask.empty()) return InputError("it shows no bright target");
   found.touches_border = TouchesBorder(found.mask);

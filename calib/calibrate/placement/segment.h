@@ -10,7 +10,7 @@
 namespace turnlight::calib::calibrate::placement {
 
 struct Segmentation {
-  cv::Mat1b mask;  // 255 = target; one connected piece without holes
+  cv::Mat1b mask;          // 255 = target; one connected piece without holes
   double noise = 0.0;      // standard deviation of a pixel, in the picture's unit
   double threshold = 0.0;  // likewise
   // Of the pixels that differ from the empty table: those that are only darker, all channels alike,
@@ -22,9 +22,9 @@ struct Segmentation {
 
 // Pictures are linear radiance, CV_32FC1 or CV_32FC3, all of one size.
 //
-// What differs from a picture of the empty table by more than 6 sigma of the noise, which is that of
-// the difference itself. A shadow of the target on the table is removed if the pictures have colour
-// and most of what differs is no shadow. Fails (kInput): sizes differ, nothing differs.
+// What differs from a picture of the empty table by more than 6 sigma of the noise, which is that
+// of the difference itself. A shadow of the target on the table is removed if the pictures have
+// colour and most of what differs is no shadow. Fails (kInput): sizes differ, nothing differs.
 Result<Segmentation> SegmentAgainstEmpty(const cv::Mat& picture, const cv::Mat& empty);
 
 // A bright target before a dark background: Otsu's threshold finds the two, the background's own

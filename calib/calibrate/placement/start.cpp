@@ -18,10 +18,10 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 
 constexpr int kRefineSteps = 25;
-constexpr std::size_t kRefined = 12;      // of the grid's rotations
-constexpr double kSamePlace = 0.05;       // radians between placements that count as one
-constexpr std::size_t kPlaneViews = 6;    // whose corners are tried
-constexpr int kTurns = 36;                // of a standing mesh
+constexpr std::size_t kRefined = 12;    // of the grid's rotations
+constexpr double kSamePlace = 0.05;     // radians between placements that count as one
+constexpr std::size_t kPlaneViews = 6;  // whose corners are tried
+constexpr int kTurns = 36;              // of a standing mesh
 // Lines of sight that differ by less cannot be intersected: 1 / (1 - cos) of half a degree or so.
 constexpr double kLeastSpread = 1e-5;
 
@@ -174,9 +174,8 @@ std::vector<State> BestOfGrid(const std::vector<Line>& lines,
 bool AllInFront(const rig::RigCalibration& calibration, const std::vector<View>& views,
                 const std::vector<PickedPoint>& picked, const State& state) {
   return std::all_of(picked.begin(), picked.end(), [&](const PickedPoint& point) {
-    const Vector3d p_C =
-        PoseOfTableInCamera(calibration.geometry, views[point.view].angle_deg) *
-        (state.X_AT * point.p_T);
+    const Vector3d p_C = PoseOfTableInCamera(calibration.geometry, views[point.view].angle_deg) *
+                         (state.X_AT * point.p_T);
     return p_C.allFinite() && calibration.lens.Project({p_C})[0].allFinite();
   });
 }
@@ -194,8 +193,7 @@ std::vector<PickedPoint> AssignCorners(const std::vector<Vector2d>& corners, std
 
 // Whether a one-sided plane shows its front.
 bool Faces(const rig::RigCalibration& calibration, const View& view, const State& state) {
-  const calib::Pose X_CT =
-      PoseOfTableInCamera(calibration.geometry, view.angle_deg) * state.X_AT;
+  const calib::Pose X_CT = PoseOfTableInCamera(calibration.geometry, view.angle_deg) * state.X_AT;
   return X_CT.Inverse().translation.z() > 0.0;
 }
 
@@ -214,9 +212,9 @@ std::vector<State> StartPicked(const rig::RigCalibration& calibration,
                                std::size_t most) {
   std::vector<Line> lines;
   for (const PickedPoint& point : picked)
-    lines.push_back(
-        LinesOf(calibration, PoseOfTableInCamera(calibration.geometry, views[point.view].angle_deg),
-                {point.pixel})[0]);
+    lines.push_back(LinesOf(calibration,
+                            PoseOfTableInCamera(calibration.geometry, views[point.view].angle_deg),
+                            {point.pixel})[0]);
   for (const Line& line : lines)
     if (!line.direction.allFinite()) return {};
   const Problem problem{calibration,

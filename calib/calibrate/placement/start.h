@@ -13,8 +13,9 @@ namespace turnlight::calib::calibrate::placement {
 std::optional<State> StartSphere(const rig::RigCalibration& calibration,
                                  const std::vector<View>& views, double radius, bool fit_radius);
 
-// At most `most` placements that differ and that picked points allow, best first; at least 4 points.
-// Every rotation of a grid, the shift being a linear problem then, and Gauss-Newton from the best.
+// At most `most` placements that differ and that picked points allow, best first; at least 4
+// points. Every rotation of a grid, the shift being a linear problem then, and Gauss-Newton from
+// the best.
 std::vector<State> StartPicked(const rig::RigCalibration& calibration,
                                const std::vector<View>& views,
                                const std::vector<PickedPoint>& picked, double size,

@@ -15,11 +15,13 @@ constexpr double kShadowWorthSaying = 0.02;
 
 Status CheckSame(const cv::Mat& picture, const cv::Mat& other, const char* what,
                  const std::string& label) {
-  if (other.empty() || (other.size() == picture.size() && other.type() == picture.type())) return {};
-  return InputError(Format("%s: its picture is %d x %d with %d channels, %s is %d x %d with %d; "
-                           "allowed are pictures of one kind",
-                           label.c_str(), picture.cols, picture.rows, picture.channels(), what,
-                           other.cols, other.rows, other.channels()));
+  if (other.empty() || (other.size() == picture.size() && other.type() == picture.type()))
+    return {};
+  return InputError(
+      Format("%s: its picture is %d x %d with %d channels, %s is %d x %d with %d; "
+             "allowed are pictures of one kind",
+             label.c_str(), picture.cols, picture.rows, picture.channels(), what, other.cols,
+             other.rows, other.channels()));
 }
 
 std::size_t ContourLength(const cv::Mat1b& mask) {
@@ -34,19 +36,20 @@ void RemarkOnShadow(const Segmentation& found, bool colour, PictureView& seen) {
   if (found.shadow_share < kShadowWorthSaying) return;
   const double percent = 100.0 * found.shadow_share;
   if (found.shadow_removed)
-    seen.remarks.push_back(Format("%s: %.0f %% of what differs from the empty table looks like a "
-                                  "shadow and is left out",
-                                  seen.view.label.c_str(), percent));
+    seen.remarks.push_back(
+        Format("%s: %.0f %% of what differs from the empty table looks like a "
+               "shadow and is left out",
+               seen.view.label.c_str(), percent));
   else
     seen.remarks.push_back(Format(
         "%s: %.0f %% of what differs from the empty table is only darker%s; it may be a shadow and "
         "counts as target: a backlight, or masks, would tell",
-        seen.view.label.c_str(), percent, colour ? "" : ", which a grey picture cannot tell apart"));
+        seen.view.label.c_str(), percent,
+        colour ? "" : ", which a grey picture cannot tell apart"));
 }
 
 void FindTarget(const cv::Mat& picture, const cv::Mat& empty, PictureView& seen) {
-  const auto found =
-      empty.empty() ? SegmentBright(picture) : SegmentAgainstEmpty(picture, empty);
+  const auto found = empty.empty() ? SegmentBright(picture) : SegmentAgainstEmpty(picture, empty);
   if (!found) {
     seen.remarks.push_back(seen.view.label + ": left out, " + found.error().text);
     return;
@@ -54,8 +57,9 @@ void FindTarget(const cv::Mat& picture, const cv::Mat& empty, PictureView& seen)
   seen.mask = found->mask;
   if (!empty.empty()) RemarkOnShadow(*found, picture.channels() == 3, seen);
   if (found->touches_border)
-    seen.remarks.push_back(seen.view.label + ": the target leaves the picture; what is inside of it "
-                                             "is used");
+    seen.remarks.push_back(seen.view.label +
+                           ": the target leaves the picture; what is inside of it "
+                           "is used");
 }
 
 }  // namespace

@@ -65,15 +65,16 @@ calib::MeshShape Lump() {
 }
 
 calib::MeshShape Vase() {
-  return Star(48, 96, [](double polar, double) { return 30.0 + 6.0 * std::cos(2.0 * polar) + 3.0 * std::cos(polar); });
+  return Star(48, 96, [](double polar, double) {
+    return 30.0 + 6.0 * std::cos(2.0 * polar) + 3.0 * std::cos(polar);
+  });
 }
 
 calib::Pose RandomPlace(const RandomStream& random, double lean_deg) {
   const double lean_to = random.Uniform(0, 0.0, 2.0 * pi);
-  calib::Pose place =
-      calib::Turn({std::cos(lean_to), std::sin(lean_to), 0.0},
-                  DegToRad(random.Uniform(1, 0.0, lean_deg))) *
-      calib::Turn(Vector3d::UnitZ(), random.Uniform(2, 0.0, 2.0 * pi));
+  calib::Pose place = calib::Turn({std::cos(lean_to), std::sin(lean_to), 0.0},
+                                  DegToRad(random.Uniform(1, 0.0, lean_deg))) *
+                      calib::Turn(Vector3d::UnitZ(), random.Uniform(2, 0.0, 2.0 * pi));
   place.translation = {random.Uniform(3, -15.0, 15.0), random.Uniform(4, -15.0, 15.0),
                        random.Uniform(5, -5.0, 5.0)};
   return place;

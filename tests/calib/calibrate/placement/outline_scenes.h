@@ -9,8 +9,8 @@
 
 namespace turnlight::calib::calibrate::placement {
 
-// 1280 x 960, f = 2000 px, mild distortion, 400 mm from the axis, 35 degrees above; the axis leans a
-// little, and the table's angles have scale and offset.
+// 1280 x 960, f = 2000 px, mild distortion, 400 mm from the axis, 35 degrees above; the axis leans
+// a little, and the table's angles have scale and offset.
 rig::RigCalibration SampleRig();
 
 // A lump without symmetry, some 35 mm in radius; and a turned body about z.
@@ -21,8 +21,8 @@ calib::MeshShape Vase();
 calib::Pose RandomPlace(const RandomStream& random, double lean_deg = 15.0);
 
 struct OutlineNoise {
-  double sigma = 0.3;         // pixels
-  double correlation = 0.0;   // of neighbours, 0..1: a first-order chain
+  double sigma = 0.3;        // pixels
+  double correlation = 0.0;  // of neighbours, 0..1: a first-order chain
   double angle_sigma_deg = 0.0;
 };
 std::vector<View> Outlines(const rig::RigCalibration& rig, const calib::TargetShape& shape,

@@ -21,7 +21,8 @@ Result<std::vector<PickedPoint>> ReadText(const std::string& text) {
 }
 
 TEST(PickedPoints, ReadsCommasAndSpaces) {
-  const auto points = ReadText("frame,x,y,X,Y,Z\n# a remark\n0, 10.5, 20, 1, 2, -3\r\n\n2 1 2 3 4 5e-1\n");
+  const auto points =
+      ReadText("frame,x,y,X,Y,Z\n# a remark\n0, 10.5, 20, 1, 2, -3\r\n\n2 1 2 3 4 5e-1\n");
   ASSERT_TRUE(points) << points.error().text;
   ASSERT_EQ(points->size(), 2u);
   EXPECT_EQ((*points)[0].pixel, Eigen::Vector2d(10.5, 20.0));

@@ -1,7 +1,8 @@
-// Proves: X_AT of a sphere, a board and a mesh placed at random is within 0.1 mm and 0.1 degree, and
-// inside 4 sigma, at 0.3 px outline noise over a revolution; what few or wrong angles, a hidden part
-// and a turned body do; the covariance's parts. Does not prove that sigmas are right on average: that
-// is placement_study's. The outlines are simulated as points; pictures are view_of_picture_test's.
+// Proves: X_AT of a sphere, a board and a mesh placed at random is within 0.1 mm and 0.1 degree,
+// and inside 4 sigma, at 0.3 px outline noise over a revolution; what few or wrong angles, a hidden
+// part and a turned body do; the covariance's parts. Does not prove that sigmas are right on
+// average: that is placement_study's. The outlines are simulated as points; pictures are
+// view_of_picture_test's.
 #include "calib/calibrate/placement/placement.h"
 
 #include <gmock/gmock.h>
@@ -56,9 +57,9 @@ TEST(PlaceTarget, FindsASphere) {
   const auto rig = SampleRig();
   for (std::uint64_t draw = 0; draw < 3; ++draw) {
     const calib::Pose truth = SpherePlace(draw);
-    const auto placed = PlaceTarget(
-        rig, calib::SphereShape{30.0},
-        Outlines(rig, calib::SphereShape{30.0}, truth, Revolution(8), {}, draw), {});
+    const auto placed =
+        PlaceTarget(rig, calib::SphereShape{30.0},
+                    Outlines(rig, calib::SphereShape{30.0}, truth, Revolution(8), {}, draw), {});
     ASSERT_TRUE(placed) << placed.error().text;
     ExpectRight(*placed, truth, false);
     EXPECT_NEAR(placed->rms, 0.3, 0.02);
@@ -87,9 +88,9 @@ TEST(PlaceTarget, FindsTheRadiusIfAsked) {
 TEST(PlaceTarget, OneAngleIsReportedWithItsTrueSigma) {
   const auto rig = SampleRig();
   const calib::Pose truth = SpherePlace(5);
-  const auto placed = PlaceTarget(
-      rig, calib::SphereShape{30.0},
-      Outlines(rig, calib::SphereShape{30.0}, truth, {20.0}, {}, 5), {});
+  const auto placed =
+      PlaceTarget(rig, calib::SphereShape{30.0},
+                  Outlines(rig, calib::SphereShape{30.0}, truth, {20.0}, {}, 5), {});
   ASSERT_TRUE(placed) << placed.error().text;
   EXPECT_THAT(placed->remarks, Contains(HasSubstr("one angle only")));
   // 0.2 px of 146 px at 400 mm.
@@ -114,8 +115,8 @@ TEST(PlaceTarget, PickedPointsAlonePlaceABoard) {
   corners.vertices = {{-35, -25, 0}, {35, -25, 0}, {35, 25, 0}, {-35, 25, 0}, {10, 5, 0}};
   const calib::Pose truth = RandomPlace(RandomStream(2, 7));
   const std::vector<View> views{{0.0, "frame 0", {}}};
-  const auto placed = PlaceTarget(rig, calib::PlaneShape{70.0, 50.0, 1}, views,
-                                  Pick(rig, corners, truth, 0.3));
+  const auto placed =
+      PlaceTarget(rig, calib::PlaneShape{70.0, 50.0, 1}, views, Pick(rig, corners, truth, 0.3));
   ASSERT_TRUE(placed) << placed.error().text;
   const auto error = ErrorOf(placed->X_AT, truth);
   for (int i = 0; i < 6; ++i)
@@ -188,10 +189,10 @@ TEST(PlaceTarget, CorrelatedNoiseWidensTheCovariance) {
   const auto rig = SampleRig();
   const calib::Pose truth = SpherePlace(8);
   const auto place = [&](double correlation) {
-    return PlaceTarget(rig, calib::SphereShape{30.0},
-                       Outlines(rig, calib::SphereShape{30.0}, truth, Revolution(6),
-                                {0.3, correlation, 0.0}, 8),
-                       {}, {.common_shift_sigma = 0.0});
+    return PlaceTarget(
+        rig, calib::SphereShape{30.0},
+        Outlines(rig, calib::SphereShape{30.0}, truth, Revolution(6), {0.3, correlation, 0.0}, 8),
+        {}, {.common_shift_sigma = 0.0});
   };
   const auto white = place(0.0), red = place(0.8);
   ASSERT_TRUE(white && red);
@@ -211,7 +212,8 @@ TEST(PlaceTarget, TheCalibrationsSigmaGoesOn) {
   const auto placed = PlaceTarget(rig, calib::SphereShape{30.0}, views, {});
   ASSERT_TRUE(placed);
   // What is not along the axis moves round with the table: the mean of it over a revolution is 0.
-  // A shift towards the camera, 35 degrees above, looks like one of tan(35 deg) of it along the axis.
+  // A shift towards the camera, 35 degrees above, looks like one of tan(35 deg) of it along the
+  // axis.
   EXPECT_NEAR(std::sqrt(placed->from_calibration(5, 5)), 0.05 / std::cos(DegToRad(35.0)), 0.004);
   EXPECT_LT(std::sqrt(placed->from_calibration(3, 3)), 0.02);
   const rig::RigCalibration with = WithTarget(rig, *placed);

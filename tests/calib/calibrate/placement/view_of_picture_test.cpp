@@ -1,5 +1,5 @@
-// Proves: from rendered pictures with noise to X_AT, end to end, for a sphere, a leaning board and a
-// mesh off the axis, without masks, with masks alone, and with ambient light subtracted. Does not
+// Proves: from rendered pictures with noise to X_AT, end to end, for a sphere, a leaning board and
+// a mesh off the axis, without masks, with masks alone, and with ambient light subtracted. Does not
 // prove it of photographs.
 #include "calib/calibrate/placement/view_of_picture.h"
 
@@ -41,8 +41,8 @@ Photographs Take(const rig::sim::SyntheticTarget& target, int views, std::uint64
   rig::RigCalibration rig(studio->camera);
   rig.geometry = SampleRig().geometry;
   rig.devices.resolution = {640, 480};
-  Photographs taken{rig, studio->target, RandomPlace(RandomStream(seed, 1), 10.0), Revolution(views),
-                    {}, {}, {}};
+  Photographs taken{
+      rig, studio->target, RandomPlace(RandomStream(seed, 1), 10.0), Revolution(views), {}, {}, {}};
   if (std::holds_alternative<calib::SphereShape>(taken.shape)) taken.X_AT.rotation.setIdentity();
   rig.geometry.X_AT = taken.X_AT;
   for (int v = 0; v < views; ++v) {
@@ -50,9 +50,8 @@ Photographs Take(const rig::sim::SyntheticTarget& target, int views, std::uint64
         calib::PosesAt(rig.geometry, taken.angles_deg[static_cast<std::size_t>(v)]);
     const RandomStream random(seed, static_cast<std::uint64_t>(100 + v));
     const auto develop = [&](const cv::Mat3f& radiance) {
-      return calib::Linearise(
-                 Photograph(config.sensor, studio->radiometry, {}, random, radiance),
-                 studio->radiometry, {})
+      return calib::Linearise(Photograph(config.sensor, studio->radiometry, {}, random, radiance),
+                              studio->radiometry, {})
           .radiance;
     };
     const auto lit = RenderPlacement(*studio, poses);
