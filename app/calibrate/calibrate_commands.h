@@ -8,6 +8,6 @@
 
 namespace turnlight::app {
 
-// One line for each part: void AddCalibratePART(CLI::App& calibrate, Action& action);
+void AddCalibrateLights(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

@@ -7,7 +7,7 @@ void AddCalibrate(CLI::App& program, Action& action) {
   CLI::App* calibrate = program.add_subcommand(
       "calibrate", "From pictures to a rig's calibration, each part with its uncertainty");
   calibrate->require_subcommand(1);
-  static_cast<void>(action);
+  AddCalibrateLights(*calibrate, action);
 }
 
 }  // namespace turnlight::app

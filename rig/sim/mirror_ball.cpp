@@ -24,8 +24,7 @@ struct SeenLamp {
 SeenLamp See(const BallLamp& lamp, const Vector3d& point) {
   const Vector3d toward = lamp.direction - lamp.inverse_distance * point;
   const double share = toward.norm();  // of the distance from W's origin
-  return {toward / share,
-          std::asin(std::clamp(std::sin(lamp.angular_radius) / share, 0.0, 1.0))};
+  return {toward / share, std::asin(std::clamp(std::sin(lamp.angular_radius) / share, 0.0, 1.0))};
 }
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
@@ -127,8 +126,7 @@ cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
       picture(row, column) = static_cast<float>(sum / (samples * samples));
     }
   });
-  if (blur_px > 0.0)
-    cv::GaussianBlur(picture, picture, {}, blur_px, blur_px, cv::BORDER_REPLICATE);
+  if (blur_px > 0.0) cv::GaussianBlur(picture, picture, {}, blur_px, blur_px, cv::BORDER_REPLICATE);
   return picture;
 }
 

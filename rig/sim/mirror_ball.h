@@ -1,5 +1,5 @@
-// A mirror ball among lamps, in closed form: each sample of a pixel is reflected exactly. A prop for
-// what is calibrated by a ball, and for its tests.
+// A mirror ball among lamps, in closed form: each sample of a pixel is reflected exactly. A prop
+// for what is calibrated by a ball, and for its tests.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,9 +14,9 @@ namespace turnlight::rig::sim {
 // A glowing ball, which looks like a disc from everywhere. All in W.
 struct BallLamp {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit, from W's origin
-  double inverse_distance = 0.0;   // 1 / length unit; 0: distant
-  double angular_radius = 0.01;    // radians, seen from W's origin; below pi / 2
-  double radiance = 1.0;           // of its surface; white is 1
+  double inverse_distance = 0.0;                         // 1 / length unit; 0: distant
+  double angular_radius = 0.01;  // radians, seen from W's origin; below pi / 2
+  double radiance = 1.0;         // of its surface; white is 1
 };
 
 // A lit rectangle on a far wall, such as a window: directions within `half_width` and `half_height`
@@ -44,9 +44,9 @@ struct MirrorRoom {
   double background = 0.0;  // of what is beside the ball
 };
 
-// Noise-free linear radiance, behind a lens that blurs by a Gaussian of `blur_px` (sigma, pixels; 0:
-// none). A pixel is the mean over its footprint; footprints that see an edge of a lamp are sampled
-// 16 x 16 times, others 4 x 4 times.
+// Noise-free linear radiance, behind a lens that blurs by a Gaussian of `blur_px` (sigma, pixels;
+// 0: none). A pixel is the mean over its footprint; footprints that see an edge of a lamp are
+// sampled 16 x 16 times, others 4 x 4 times.
 cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
                            const calib::RayGrid& rays, const calib::Pose& X_WC, double blur_px);
 

@@ -1,8 +1,8 @@
 // A calibration board: a flat target whose points are known, and what one picture shows of it.
 //
-// Frame B of the board: its points lie in z = 0, x along a row, y along a column, origin at point 0,
-// z = x cross y. Seen from the printed side with point 0 at the top left, x goes to the right and y
-// down, so that z points into the board, away from who sees it.
+// Frame B of the board: its points lie in z = 0, x along a row, y along a column, origin at point
+// 0, z = x cross y. Seen from the printed side with point 0 at the top left, x goes to the right
+// and y down, so that z points into the board, away from who sees it.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,14 +13,14 @@
 namespace turnlight::calib::calibrate::board {
 
 enum class BoardKind {
-  kChessboard,     // points: the inner corners
-  kCharuco,        // points: the inner corners of the chessboard that its markers tell apart
-  kAprilTagGrid,   // points: four corners a tag
+  kChessboard,    // points: the inner corners
+  kCharuco,       // points: the inner corners of the chessboard that its markers tell apart
+  kAprilTagGrid,  // points: four corners a tag
 };
 
 // Point i of a chessboard or ChArUco board is at column i % columns and row i / columns, spacing
-// apart. Tag t of a grid is at column t % columns and row t / columns; its corners are points 4 t to
-// 4 t + 3, clockwise from the top left.
+// apart. Tag t of a grid is at column t % columns and row t / columns; its corners are points 4 t
+// to 4 t + 3, clockwise from the top left.
 struct Board {
   BoardKind kind = BoardKind::kChessboard;
   int columns = 10;        // of points (of tags, for a grid), at least 2
@@ -39,7 +39,7 @@ struct Board {
 std::vector<Eigen::Vector3d> BoardPoints(const Board& board);
 
 struct SeenPoint {
-  std::size_t point = 0;  // of the board
+  std::size_t point = 0;                            // of the board
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // (0, 0) is the centre of the top-left pixel
   // Standard deviation relative to a well seen point, at least 1: 2 for one found at half the
   // resolution. A weight is 1 / spread.

@@ -35,8 +35,10 @@ std::optional<Vector3d> Passing(const Ray& a, const Ray& b) {
   const double sine_squared = 1.0 - cosine * cosine;
   if (sine_squared < 1e-12) return std::nullopt;
   const Vector3d between = b.point - a.point;
-  const double along_a = (between.dot(a.direction) - cosine * between.dot(b.direction)) / sine_squared;
-  const double along_b = (cosine * between.dot(a.direction) - between.dot(b.direction)) / sine_squared;
+  const double along_a =
+      (between.dot(a.direction) - cosine * between.dot(b.direction)) / sine_squared;
+  const double along_b =
+      (cosine * between.dot(a.direction) - between.dot(b.direction)) / sine_squared;
   if (!(along_a > 0.0) || !(along_b > 0.0)) return std::nullopt;
   return 0.5 * (a.point + along_a * a.direction + b.point + along_b * b.direction);
 }
@@ -93,7 +95,9 @@ std::vector<Ray> RaysOf(const std::vector<BallView>& views,
   for (std::size_t view = 0; view < views.size(); ++view)
     for (std::size_t spot = 0; spot < spots[view].size(); ++spot)
       if (const auto seen = MirrorAt(views[view], spots[view][spot].pixel))
-        rays.push_back({{view, spot}, seen->point, seen->direction,
+        rays.push_back({{view, spot},
+                        seen->point,
+                        seen->direction,
                         spots[view][spot].kind == SpotKind::kLight});
   return rays;
 }
@@ -128,7 +132,8 @@ std::vector<SpotGroup> GroupSpots(const std::vector<BallView>& views,
     Support support = BestSupport(rays, views.size());
     if (support.rays.empty()) {
       // Spots of views that propose nothing.
-      const auto left = std::find_if(rays.begin(), rays.end(), [](const Ray& r) { return !r.taken; });
+      const auto left =
+          std::find_if(rays.begin(), rays.end(), [](const Ray& r) { return !r.taken; });
       if (left == rays.end()) return groups;
       support = SupportOf(rays, {left->direction, 0.0});
     }

@@ -18,9 +18,9 @@ struct SpotIndex {
 // Spots that one light explains, at most one of each view, in order of the views.
 using SpotGroup = std::vector<SpotIndex>;
 
-// All spots in groups, each in one: first those that hold most spots that look like lights. A group is
-// what a pair of spots of two views proposes, a distant light or the point where the rays pass, and
-// all that agree with it within 1.5 degrees. What agrees with nothing is a group by itself.
+// All spots in groups, each in one: first those that hold most spots that look like lights. A group
+// is what a pair of spots of two views proposes, a distant light or the point where the rays pass,
+// and all that agree with it within 1.5 degrees. What agrees with nothing is a group by itself.
 std::vector<SpotGroup> GroupSpots(const std::vector<BallView>& views,
                                   const std::vector<std::vector<Spot>>& spots);
 

@@ -27,7 +27,8 @@ std::optional<Mirrored> MirrorOnBall(const Ball& ball, const Vector3d& origin,
 }
 
 std::optional<Mirrored> MirrorAt(const BallView& view, const Vector2d& pixel) {
-  const int column = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, view.rays->width() - 1);
+  const int column =
+      std::clamp(static_cast<int>(std::lround(pixel.x())), 0, view.rays->width() - 1);
   const int row = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, view.rays->height() - 1);
   const Vector2d off(pixel.x() - column, pixel.y() - row);
   if (!(off.cwiseAbs().maxCoeff() <= 1.0)) return std::nullopt;

@@ -17,10 +17,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kNearSigmas = 3.0;   // the estimator's
-constexpr double kBound95 = 1.645;    // one-sided normal
-constexpr double kSamePlace = 1.5;    // pixels: views that show one spot at one place of the picture
-constexpr double kMinNearRadii = 1.0; // a light within so many radii of the ball's surface is none
+constexpr double kNearSigmas = 3.0;  // the estimator's
+constexpr double kBound95 = 1.645;   // one-sided normal
+constexpr double kSamePlace = 1.5;   // pixels: views that show one spot at one place of the picture
+constexpr double kMinNearRadii = 1.0;  // a light within so many radii of the ball's surface is none
 
 // The spots of a group as what they are known to. What is wrong with a spot's shape is wrong in all
 // views that show it at the same place: their number does not help.
@@ -35,9 +35,9 @@ std::vector<Sighting> SightingsOf(const std::vector<std::vector<Spot>>& spots,
     const auto alike = std::count_if(group.begin(), group.end(), [&](const SpotIndex& other) {
       return (spot_at(other).pixel - spot.pixel).norm() < kSamePlace;
     });
-    sightings.push_back({index.view, spot.pixel,
-                         spot.noise_covariance +
-                             static_cast<double>(alike) * spot.shape_covariance});
+    sightings.push_back(
+        {index.view, spot.pixel,
+         spot.noise_covariance + static_cast<double>(alike) * spot.shape_covariance});
   }
   return sightings;
 }
@@ -68,8 +68,7 @@ std::optional<Whole> FitWhole(const std::vector<BallView>& views,
     if (!moved) return std::nullopt;
     Vector3d by;
     by << across.transpose() * (moved->u - fit->u), moved->rho - fit->rho;
-    auto& item =
-        whole.systematic.try_emplace(perturbation.item, Matrix3d::Zero()).first->second;
+    auto& item = whole.systematic.try_emplace(perturbation.item, Matrix3d::Zero()).first->second;
     item += by * by.transpose();
     whole.total += by * by.transpose();
   }
@@ -118,8 +117,8 @@ LightSigmas SigmasOf(const AtOrigin& at, const Matrix3d& covariance, bool near) 
 std::optional<double> DistanceMin(const std::optional<Whole>& with_distance,
                                   const Vector3d& reference, double radius) {
   if (!with_distance) return std::nullopt;
-  const double rho = std::max(0.0, with_distance->fit.rho) +
-                     kBound95 * std::sqrt(with_distance->total(2, 2));
+  const double rho =
+      std::max(0.0, with_distance->fit.rho) + kBound95 * std::sqrt(with_distance->total(2, 2));
   if (!(rho > 0.0) || 1.0 / rho < (1.0 + kMinNearRadii) * radius) return std::nullopt;
   return (reference + with_distance->fit.u / rho).norm();
 }
@@ -160,10 +159,20 @@ void FillBrightness(const std::vector<std::vector<Spot>>& spots, ProbeLight& lig
   light.intensity_sigma = std::sqrt(sum / (count - 1.0) / count);
 }
 
+Vector3d MeanPoint(const std::vector<BallView>& views, const std::vector<std::vector<Spot>>& spots,
+                   const SpotGroup& group) {
+  Vector3d sum = Vector3d::Zero();
+  for (const SpotIndex& index : group)
+    if (const auto seen = MirrorAt(views[index.view], spots[index.view][index.spot].pixel))
+      sum += seen->point;
+  return sum / static_cast<double>(group.size());
+}
+
 std::optional<ProbeLight> MakeLight(const std::vector<BallView>& views,
                                     const std::vector<std::vector<Spot>>& spots,
                                     const std::vector<Perturbation>& perturbations,
-                                    const SpotGroup& group, const Vector3d& reference) {
+                                    const SpotGroup& group) {
+  const Vector3d reference = MeanPoint(views, spots, group);
   const std::vector<Sighting> sightings = SightingsOf(spots, group);
   const auto with_distance = FitWhole(views, perturbations, sightings, reference, true);
   const double radius = views[group.front().view].ball.radius;
@@ -171,16 +180,16 @@ std::optional<ProbeLight> MakeLight(const std::vector<BallView>& views,
   light.near = with_distance &&
                with_distance->fit.rho > kNearSigmas * std::sqrt(with_distance->total(2, 2)) &&
                1.0 / with_distance->fit.rho > (1.0 + kMinNearRadii) * radius;
-  const auto whole = light.near ? with_distance
-                                : FitWhole(views, perturbations, sightings, reference, false);
+  const auto whole =
+      light.near ? with_distance : FitWhole(views, perturbations, sightings, reference, false);
   if (!whole) return std::nullopt;
   const AtOrigin at = ToOrigin(whole->fit, reference);
   light.direction = at.u;
   light.inverse_distance = light.near ? at.rho : 0.0;
+  light.reference = reference;
   light.direction_at_reference = whole->fit.u;
   const Eigen::Matrix<double, 3, 2> across = Across(whole->fit.u);
-  light.reference_covariance =
-      across * whole->total.topLeftCorner<2, 2>() * across.transpose();
+  light.reference_covariance = across * whole->total.topLeftCorner<2, 2>() * across.transpose();
   light.direction_covariance =
       (at.differential * whole->total * at.differential.transpose()).topLeftCorner<3, 3>();
   light.sigma = SigmasOf(at, whole->total, light.near);
@@ -247,10 +256,8 @@ ProbeLights FindLights(const std::vector<BallView>& views,
                        const std::vector<std::vector<Spot>>& spots,
                        const std::vector<Perturbation>& perturbations) {
   ProbeLights found;
-  for (const BallView& view : views)
-    found.reference += view.ball.center / static_cast<double>(views.size());
   for (const SpotGroup& group : GroupSpots(views, spots)) {
-    auto light = MakeLight(views, spots, perturbations, group, found.reference);
+    auto light = MakeLight(views, spots, perturbations, group);
     std::string why = WhyCandidate(views, spots, group, light);
     if (why.empty()) {
       found.lights.push_back(std::move(*light));

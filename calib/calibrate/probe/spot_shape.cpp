@@ -29,9 +29,9 @@ constexpr double kOpenFloor = 0.01;
 constexpr double kClippedFloor = 0.04;
 
 struct Weighted {
-  Vector2d pixel;   // of the picture
-  double weight;    // radiance above the level
-  double slope;     // d weight / d radiance
+  Vector2d pixel;  // of the picture
+  double weight;   // radiance above the level
+  double slope;    // d weight / d radiance
 };
 
 std::vector<Weighted> Above(const SpotMaps& maps, const cv::Mat1b& flooded, double level) {
@@ -51,8 +51,8 @@ std::vector<Weighted> Above(const SpotMaps& maps, const cv::Mat1b& flooded, doub
 struct Moments {
   double sum = 0.0;
   Vector2d mean = Vector2d::Zero();
-  Matrix2d spread = Matrix2d::Zero();            // second moments
-  Matrix2d noise = Matrix2d::Zero();             // of the mean, for a noise of 1
+  Matrix2d spread = Matrix2d::Zero();  // second moments
+  Matrix2d noise = Matrix2d::Zero();   // of the mean, for a noise of 1
 };
 
 Moments MomentsOf(const std::vector<Weighted>& pixels) {
@@ -87,8 +87,8 @@ struct Patch {
   double extent = 0.0;                     // radians
 };
 
-// The spot summed over directions. A lens's blur B of variance s^2 is taken back to second order: the sum
-// over the blurred picture of f - s^2/2 Laplacian f is that over the sharp one of f.
+// The spot summed over directions. A lens's blur B of variance s^2 is taken back to second order:
+// the sum over the blurred picture of f - s^2/2 Laplacian f is that over the sharp one of f.
 std::optional<Patch> PatchOfSpot(const BallView& view, const std::vector<Weighted>& pixels,
                                  double blur) {
   Vector3d sum = Vector3d::Zero();
@@ -99,7 +99,8 @@ std::optional<Patch> PatchOfSpot(const BallView& view, const std::vector<Weighte
     if (!here) return std::nullopt;
     Vector3d of_direction = -4.0 * *here;
     double of_angle = -4.0 * here->norm();
-    for (const Vector2d& step : {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1)}) {
+    for (const Vector2d& step :
+         {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1)}) {
       const auto beside = PatchOf(view, at.pixel + step);
       if (!beside) return std::nullopt;
       of_direction += *beside;
@@ -125,7 +126,8 @@ std::optional<Patch> PatchOfSpot(const BallView& view, const std::vector<Weighte
 }
 
 // The image point near `pixel` that sees a direction.
-std::optional<Vector2d> PixelSeeing(const BallView& view, Vector2d pixel, const Vector3d& direction) {
+std::optional<Vector2d> PixelSeeing(const BallView& view, Vector2d pixel,
+                                    const Vector3d& direction) {
   for (int i = 0; i < 8; ++i) {
     const auto seen = MirrorAt(view, pixel);
     const auto differential = MirrorDifferential(view, pixel);
@@ -160,8 +162,7 @@ void MeasureLevels(const SpotMaps& maps, const cv::Mat1b& flooded, Spot& spot) {
       }
   for (int row = 0; row < flooded.rows; ++row)
     for (int column = 0; column < flooded.cols; ++column)
-      if (flooded(row, column) &&
-          maps.grey(row, column) - maps.ground(row, column) >= 0.5 * peak)
+      if (flooded(row, column) && maps.grey(row, column) - maps.ground(row, column) >= 0.5 * peak)
         spot.area_px += 1.0;
   spot.peak = peak;
   spot.noise = maps.noise;

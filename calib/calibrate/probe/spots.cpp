@@ -18,7 +18,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// ---- What counts. Lengths are shares of the ball's radius, heights those of what they are named after.
+// ---- What counts. Lengths are shares of the ball's radius, heights those of what they are named
+// after.
 
 // The opening's square. Light from a patch of 23 degrees (a window, a wall) fills it and is broad.
 constexpr double kBroadShare = 0.2;
@@ -27,18 +28,18 @@ constexpr double kBroadShare = 0.2;
 constexpr double kRimCosine = 0.2;
 constexpr int kRimPixels = 2;  // mixed with the background by blur and outline's error
 // A peak is told from noise, from texture and from the tails of a brighter one.
-constexpr double kMinNoise = 8.0;          // sigmas
-constexpr double kMinGroundShare = 0.1;    // of the radiance around it
-constexpr double kMinPeakShare = 0.02;     // of the highest peak
-constexpr double kSplitDepth = 0.35;       // of the lower peak: two lamps, not one with noise
+constexpr double kMinNoise = 8.0;        // sigmas
+constexpr double kMinGroundShare = 0.1;  // of the radiance around it
+constexpr double kMinPeakShare = 0.02;   // of the highest peak
+constexpr double kSplitDepth = 0.35;     // of the lower peak: two lamps, not one with noise
 // A lamp's mirror image outshines what is around it: a matte surface lit by the same lamp is darker
 // than the lamp by orders of magnitude, texture and weak inter-reflections are not.
 constexpr double kLightGroundShare = 0.5;
-constexpr double kLightPeakShare = 0.1;    // of the brightest light, if nothing is clipped
+constexpr double kLightPeakShare = 0.1;  // of the brightest light, if nothing is clipped
 constexpr double kLightIrradianceShare = 0.03;
 // Where other spots are clipped, one that is not even at half of white may be a lit object.
 constexpr double kLightWhiteShare = 0.5;
-constexpr double kMaxExtentDeg = 15.0;     // a window, not a lamp
+constexpr double kMaxExtentDeg = 15.0;  // a window, not a lamp
 
 // The ball's region of the picture that can be looked at, and a frame around it.
 struct Region {
@@ -114,8 +115,8 @@ double NoiseOf(const cv::Mat1f& grey, const cv::Mat1b& usable, const cv::Mat1b& 
 cv::Mat1f BroadPart(const cv::Mat1f& grey, const cv::Mat1b& usable, double radius_px) {
   constexpr double kCoarseRadius = 80.0;
   const double scale = std::min(1.0, kCoarseRadius / radius_px);
-  const int side = std::max(3, 1 + 2 * static_cast<int>(std::lround(
-                                           0.5 * kBroadShare * radius_px * scale)));
+  const int side =
+      std::max(3, 1 + 2 * static_cast<int>(std::lround(0.5 * kBroadShare * radius_px * scale)));
   const cv::Size coarse(std::max(1, static_cast<int>(std::lround(grey.cols * scale))),
                         std::max(1, static_cast<int>(std::lround(grey.rows * scale))));
   cv::Mat1f inside, weight, value;
@@ -153,7 +154,8 @@ void ExplainLevels(double white, std::vector<Spot>& spots) {
     if (!spot.why.empty()) continue;
     if (!spot.clipped && any_clipped && spot.peak + spot.ground < kLightWhiteShare * white)
       spot.why = "not bright: others are clipped, and this may be a lit object";
-    else if (spot.peak < kLightPeakShare * peak || spot.irradiance < kLightIrradianceShare * irradiance)
+    else if (spot.peak < kLightPeakShare * peak ||
+             spot.irradiance < kLightIrradianceShare * irradiance)
       spot.why = "much weaker than the brightest: an inter-reflection, or a weak lamp";
     else
       spot.kind = SpotKind::kLight;
@@ -199,13 +201,11 @@ SpotsFound FindSpots(const LinearImage& picture, const cv::Mat1b& mask, const Ba
   const double floor = std::max(kMinNoise * found.noise, kMinPeakShare * highest);
   const double bright_ground = BrightGround(ground, region.usable);
   double white = 0.0;  // the level at which the picture clips
-  for (const Peak& peak :
-       FindPeaks(rest, region.usable, static_cast<float>(0.5 * floor), kSplitDepth,
-                 static_cast<float>(kMinNoise * found.noise))) {
+  for (const Peak& peak : FindPeaks(rest, region.usable, static_cast<float>(0.5 * floor),
+                                    kSplitDepth, static_cast<float>(kMinNoise * found.noise))) {
     if (peak.height < std::max(floor, kMinGroundShare * ground(peak.at))) continue;
-    const SpotShape shape =
-        MeasureShape({grey, ground, rest, clipped, region.usable, region.box.tl(), found.noise},
-                     peak, view);
+    const SpotShape shape = MeasureShape(
+        {grey, ground, rest, clipped, region.usable, region.box.tl(), found.noise}, peak, view);
     if (!shape.measured) continue;
     Spot spot = shape.spot;
     spot.why = WhyNoLight(spot, bright_ground, shape.cut);

@@ -1,9 +1,9 @@
 // Compact bright spots that a ball shows: the mirror images of lamps.
 //
-// What is broad is taken off first: an opening of the picture by a square of a fifth of the ball's radius
-// leaves the shading, the room and large windows, and takes off what is smaller. Spots are the
-// peaks of the rest, each as far down as it is by itself. Near the outline nothing counts: there
-// every pixel sees a large part of the room, and the background.
+// What is broad is taken off first: an opening of the picture by a square of a fifth of the ball's
+// radius leaves the shading, the room and large windows, and takes off what is smaller. Spots are
+// the peaks of the rest, each as far down as it is by itself. Near the outline nothing counts:
+// there every pixel sees a large part of the room, and the background.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,14 +29,14 @@ struct Spot {
   // pixel^2, of what is the same in every picture of this spot at this place: sampling, clipping,
   // lopsidedness, and how much of its size is the lens's blur.
   Eigen::Matrix2d shape_covariance = Eigen::Matrix2d::Zero();
-  double peak = 0.0;      // radiance above the ground
-  double ground = 0.0;    // radiance around it
-  double noise = 0.0;     // sigma of a pixel's radiance
-  double area_px = 0.0;   // at half height
-  double extent_deg = 0.0;   // full width of the longer axis, as of an evenly lit ellipse
-  double irradiance = 0.0;   // at the ball, from the patch: radiance times solid angle, mirror of 1
-  double cosine = 0.0;    // MirrorAt's
-  bool clipped = false;   // its peak and irradiance are lower bounds
+  double peak = 0.0;        // radiance above the ground
+  double ground = 0.0;      // radiance around it
+  double noise = 0.0;       // sigma of a pixel's radiance
+  double area_px = 0.0;     // at half height
+  double extent_deg = 0.0;  // full width of the longer axis, as of an evenly lit ellipse
+  double irradiance = 0.0;  // at the ball, from the patch: radiance times solid angle, mirror of 1
+  double cosine = 0.0;      // MirrorAt's
+  bool clipped = false;     // its peak and irradiance are lower bounds
 };
 
 struct SpotsFound {
