@@ -14,5 +14,6 @@ void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 void AddCalibrateRig(CLI::App& calibrate, Action& action);
 void AddCalibrateTarget(CLI::App& calibrate, Action& action);
+void AddCalibrateLights(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

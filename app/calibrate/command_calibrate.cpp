@@ -12,6 +12,7 @@ void AddCalibrate(CLI::App& program, Action& action) {
   AddCalibrateResponse(*calibrate, action);
   AddCalibrateRig(*calibrate, action);
   AddCalibrateTarget(*calibrate, action);
+  AddCalibrateLights(*calibrate, action);
 }
 
 }  // namespace turnlight::app
