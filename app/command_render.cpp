@@ -115,6 +115,7 @@ Result<rig::FrameRecord> WriteFrame(const cv::Mat& picture, const rig::FrameReco
 Status WriteDescription(const rig::Session& session, const PictureFormat& format,
                         std::vector<rig::FrameRecord> frames, const fs::path& out) {
   rig::Session rendered = session;
+  rendered.calibration.reset();  // that is of the pictures that were captured
   rendered.camera_path = "camera.cameramodel";
   rendered.radiometry = format.radiometry;
   rendered.bayer.reset();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -22,12 +23,19 @@ const Driver<Device>* FindDriver(const std::vector<Driver<Device>>& drivers, Str
   return keys.ok() ? &*found : nullptr;
 }
 
-// world: there is one if the driver is simulated.
+// world: there is one if the driver is simulated. A camera's section has the key lens, whatever its
+// driver: a note, which a calibration's must be.
 template <typename Device>
-Result<Device> Make(const Driver<Device>& driver, const StrictObject& keys,
+Result<Device> Make(const Driver<Device>& driver, StrictObject keys,
                     rig::sim::SimulatedWorld* world) {
-  return driver.simulated() ? std::get<SimulatedDriver<Device>>(driver.make)(keys, *world)
-                            : std::get<RealDriver<Device>>(driver.make)(keys);
+  std::string lens;
+  if constexpr (std::is_same_v<Device, rig::CameraDevice>)
+    lens = keys.OptionalString("lens").value_or("");
+  auto device = driver.simulated() ? std::get<SimulatedDriver<Device>>(driver.make)(keys, *world)
+                                   : std::get<RealDriver<Device>>(driver.make)(keys);
+  if constexpr (std::is_same_v<Device, rig::CameraDevice>)
+    if (device) device->lens = lens;
+  return device;
 }
 
 }  // namespace turnlight::app

@@ -217,6 +217,9 @@ rig::CaptureSetup MakeCaptureSetup(const RunConfig& config, const rig::RigSetup&
           .name = config.name,
           .length_unit = rig.length_unit,
           .camera = rig.known.lens,
+          .calibration_text =
+              rig.calibration ? rig::PrintRigCalibration(*rig.calibration, rig::kCaptureCameraFile)
+                              : "",
           .radiometry = rig.known.radiometry,
           .bayer = rig.camera.bayer,
           .target = rig.target.copy,

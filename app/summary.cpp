@@ -86,6 +86,28 @@ std::string ReflectanceText(const Estimate& estimate) {
                                            estimator::results::LobeWidthDeg(r)));
 }
 
+// "direction of light 1: 0.12 deg, of that 0.1 deg from the pose of the camera (camera-pose): ...".
+// Nothing where nothing is known of the sigma.
+std::string BudgetLine(const Estimate& estimate, std::size_t light) {
+  const double total = RadToDeg(estimate.lights[light].direction_sigma);
+  const estimator::uncertainty::BudgetItem* largest = nullptr;
+  const auto of = [light](const estimator::uncertainty::BudgetItem& item) {
+    return RadToDeg(item.sigma.lights[light].direction);
+  };
+  for (const auto& item : estimate.budget)
+    if (largest == nullptr || of(item) > of(*largest)) largest = &item;
+  if (largest == nullptr || !std::isfinite(total) || !(total > 0.0)) return "";
+  return "  direction of light " + std::to_string(light + 1) +
+         Format(": %.2g\u00b0, of that %.2g\u00b0 from ", total, of(*largest)) +
+         largest->words.words + "; " + largest->words.advice + "\n";
+}
+
+std::string BudgetText(const Estimate& estimate) {
+  std::string text;
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i) text += BudgetLine(estimate, i);
+  return text.empty() ? text : "\nerror budget, the largest items\n" + text;
+}
+
 std::string LadderText(const Estimate& estimate) {
   std::string text;
   for (const estimator::model::Rung& rung : estimate.ladder)
@@ -123,7 +145,7 @@ std::string Summary(const Estimate& estimate, const std::string& session_name,
   text += Row("residual", Format("%.3g rms of white, from %.3g at the start; %d iterations, %s",
                                  estimate.rms, estimate.initial_rms, estimate.iterations,
                                  estimator::results::WordOf(estimate.stopped).c_str()));
-  return text + LadderText(estimate) + NotesText(estimate);
+  return text + BudgetText(estimate) + LadderText(estimate) + NotesText(estimate);
 }
 
 }  // namespace turnlight::app

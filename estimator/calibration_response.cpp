@@ -31,8 +31,8 @@ struct Fit {
 // The sample with the calibration moved, and which of its pixels still lie on the surface.
 struct Side {
   MovedCalibration moved;
-  observe::Observations pixels;
   std::vector<std::uint8_t> seen;
+  observe::Observations pixels;
 
   Side(const Fit& fit, MovedCalibration calibration)
       : moved(std::move(calibration)),
@@ -43,7 +43,8 @@ struct Side {
   }
 };
 
-// The radiances that the moved calibration makes of the sample's pixels; as they are if it has none.
+// The radiances that the moved calibration makes of the sample's pixels; as they are if it has
+// none.
 Result<solve::Prediction> Radiances(const Fit& fit, const MovedCalibration& moved) {
   const observe::Observations& pixels = fit.sample.pixels;
   const auto channels = static_cast<std::size_t>(pixels.channels);
@@ -116,8 +117,7 @@ Result<std::optional<uncertainty::CalibrationResponse>> RespondToCalibration(
   const model::Scene& scene = solution.scene;
   solve::EvaluateOptions options;
   options.huber = solution.evaluate.huber;
-  options.samples_per_side =
-      solve::FootprintSamples(sample.pixels, scene.reflectance.shininess, 2);
+  options.samples_per_side = solve::FootprintSamples(sample.pixels, scene.reflectance.shininess, 2);
   options.shadows = solve::CastShadows(sample.pixels, scene);
   const uncertainty::ScoreProbe probe(sample.pixels, scene, options);
   const Fit fit{view, sample, scene, options, probe, all.level};

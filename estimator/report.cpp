@@ -16,14 +16,13 @@ constexpr double kNinetyFivePercent = 1.6449;  // sigmas, one-sided
 
 LightEstimate MakeLight(const uncertainty::ReportedLight& reported,
                         const uncertainty::LightSigma& sigma, bool near, double rho_free,
-                        double rho_sigma, bool strongest) {
+                        double rho_sigma, double rho_calibration, bool strongest) {
   LightEstimate out;
   out.light = reported.light;
   out.near = near;
   out.direction_sigma = sigma.direction;
-  // A light held at infinity: what the fit with free distances found belongs to the error of 0, and
-  // sigma has the calibration's part alone.
-  if (!near) rho_sigma = std::hypot(rho_sigma, sigma.inverse_distance);
+  // A light held at infinity: what the fit with free distances found belongs to the error of 0.
+  if (!near) rho_sigma = std::hypot(rho_sigma, rho_calibration);
   out.inverse_distance_sigma = near ? sigma.inverse_distance : std::hypot(rho_sigma, rho_free);
   const double upper = rho_free + kNinetyFivePercent * rho_sigma;
   if (upper > 0.0 && std::isfinite(upper)) out.distance_min = 1.0 / upper;
@@ -119,9 +118,10 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
   out.channels = all.channels;
   out.ambient_product = reported.ambient_product;
   for (std::size_t i = 0; i < order.size(); ++i)
-    out.lights.push_back(MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
-                                   refined.inverse_distance[order[i]],
-                                   refined.inverse_distance_sigma[order[i]], i == 0));
+    out.lights.push_back(
+        MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
+                  refined.inverse_distance[order[i]], refined.inverse_distance_sigma[order[i]],
+                  calibration ? sigmas.calibration.lights[i].inverse_distance : 0.0, i == 0));
   FillSigmas(sigma, refined.specular_sigma, out);
   for (std::size_t i = 0; i < order.size(); ++i)
     if (!refined.near[order[i]])

@@ -29,6 +29,7 @@ struct CameraDevice {
   // Between which DN a full pixel reads, by the pixel format; the calibration's saturation must lie
   // there. Not given: not known.
   std::optional<std::array<double, 2>> full_scale_dn;
+  std::string lens;         // the config's note: which lens is on it; empty: none
   double readout_s = 0.05;  // from the end of an exposure to its picture, about
   bool real_time = false;   // as of the table
 };

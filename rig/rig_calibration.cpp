@@ -27,7 +27,8 @@ void ReadUnit(StrictObject& object, const std::string& unit) {
 }
 
 Status ReadLens(StrictObject object, const fs::path& folder,
-                std::optional<calib::CameraModel>& lens, Covariance& covariance) {
+                std::optional<calib::CameraModel>& lens, std::string& lens_sha256,
+                Covariance& covariance) {
   const std::string path = object.String("path");
   const std::string sha256 = object.String("sha256");
   if (object.ok() && !IsSha256(sha256)) object.Refuse("sha256", "64 lower-case hexadecimal digits");
@@ -43,24 +44,46 @@ Status ReadLens(StrictObject object, const fs::path& folder,
   if (!model) return Forward(model);
   covariance = ReadCovariance(object, static_cast<Eigen::Index>(model->intrinsics().size()));
   lens = std::move(*model);
+  lens_sha256 = sha256;
   return object.Finish();
 }
 
-Status ReadPoseObject(StrictObject object, const std::string& unit, calib::Pose& pose,
-                      Covariance& covariance) {
-  pose = ReadPose(object, "value");
-  ReadUnit(object, unit);
-  covariance = ReadCovariance(object, 6);
-  return object.Finish();
+// The key with of a part: the lens that it was found with.
+void ReadFoundWith(StrictObject& object, const std::string& key, const std::string& lens_sha256,
+                   std::map<std::string, std::string>& found_with) {
+  const auto with = object.OptionalString("with");
+  if (!with || !object.ok()) return;
+  if (!IsSha256(*with)) object.Refuse("with", "64 lower-case hexadecimal digits");
+  if (*with != lens_sha256)
+    object.RefuseText(
+        "with", key + " was found with another lens: its camera model had the SHA-256 \"" + *with +
+                    "\", camera_model/sha256 is \"" + lens_sha256 + "\"; turnlight calibrate " +
+                    (key == "X_AT" ? "target" : "axis") + " finds it anew");
+  found_with[key] = *with;
 }
 
-Status ReadNumberObject(StrictObject object, const std::string& unit, double& value,
-                        Covariance& covariance) {
-  value = object.Number("value");
-  ReadUnit(object, unit);
-  covariance = ReadCovariance(object, 1);
-  return object.Finish();
-}
+// Reads the parts of the geometry, each an object of the file.
+struct PartReader {
+  const std::string& lens_sha256;
+  std::map<std::string, std::string>& found_with;
+
+  Status Pose(StrictObject object, const std::string& key, const std::string& unit,
+              calib::Pose& pose, Covariance& covariance) const {
+    pose = ReadPose(object, "value");
+    ReadUnit(object, unit);
+    covariance = ReadCovariance(object, 6);
+    ReadFoundWith(object, key, lens_sha256, found_with);
+    return object.Finish();
+  }
+  Status Number(StrictObject object, const std::string& key, const std::string& unit, double& value,
+                Covariance& covariance) const {
+    value = object.Number("value");
+    ReadUnit(object, unit);
+    covariance = ReadCovariance(object, 1);
+    ReadFoundWith(object, key, lens_sha256, found_with);
+    return object.Finish();
+  }
+};
 
 // What merges exposures, and what weighs the pixels of sessions.
 Status ReadNoise(StrictObject object, RigCalibration& calibration) {
@@ -153,8 +176,9 @@ Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
              joint = object.OptionalObject("joint_covariance");
   Status status = object.Finish();
   std::optional<calib::CameraModel> lens;
+  std::string lens_sha256;
   CalibrationCovariances sigma;
-  if (status) status = ReadLens(camera_model, folder, lens, sigma.camera_model);
+  if (status) status = ReadLens(camera_model, folder, lens, lens_sha256, sigma.camera_model);
   if (!status) return Forward(status);
   RigCalibration calibration(std::move(*lens));
   calibration.length_unit = unit;
@@ -162,13 +186,16 @@ Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
   calibration.source = object.Where("");
   CalibrationCovariances& known = calibration.covariances;
   calib::TurntableGeometry& geometry = calibration.geometry;
-  status = ReadPoseObject(X_WC, unit, geometry.X_WC, known.X_WC);
-  if (status) status = ReadPoseObject(X_WA, unit, geometry.X_WA, known.X_WA);
+  const PartReader read{lens_sha256, calibration.found_with};
+  status = read.Pose(X_WC, "X_WC", unit, geometry.X_WC, known.X_WC);
+  if (status) status = read.Pose(X_WA, "X_WA", unit, geometry.X_WA, known.X_WA);
   calibration.target_placed = X_AT.has_value();
-  if (status && X_AT) status = ReadPoseObject(*X_AT, unit, geometry.X_AT, known.X_AT);
-  if (status) status = ReadNumberObject(scale, "deg/deg", geometry.angle_scale, known.angle_scale);
+  if (status && X_AT) status = read.Pose(*X_AT, "X_AT", unit, geometry.X_AT, known.X_AT);
   if (status)
-    status = ReadNumberObject(offset, "deg", geometry.angle_offset_deg, known.angle_offset);
+    status = read.Number(scale, "angle_scale", "deg/deg", geometry.angle_scale, known.angle_scale);
+  if (status)
+    status =
+        read.Number(offset, "angle_offset", "deg", geometry.angle_offset_deg, known.angle_offset);
   if (status) status = ReadRadiometryObject(radiometry, calibration);
   if (status) status = ReadDevices(identity, calibration.devices);
   if (status && joint) status = ReadJoint(*joint, known);
@@ -177,9 +204,19 @@ Result<RigCalibration> ReadKeys(StrictObject& object, const fs::path& folder) {
   return calibration;
 }
 
-ordered_json PrintValue(ordered_json value, const std::string& unit, const Covariance& covariance) {
+// The checksum of a file, of the text in which nlohmann::json prints all its keys but this one,
+// sorted and without spaces: so it is the same however the file is laid out.
+std::string ContentSha256(nlohmann::json root) {
+  root.erase("sha256");
+  return Sha256Hex(root.dump());
+}
+
+ordered_json PrintPart(const RigCalibration& calibration, const std::string& key,
+                       ordered_json value, const std::string& unit, const Covariance& covariance) {
   ordered_json object{{"value", std::move(value)}, {"unit", unit}};
   AddCovariance(object, covariance);
+  const auto with = calibration.found_with.find(key);
+  if (with != calibration.found_with.end()) object["with"] = with->second;
   return object;
 }
 
@@ -227,35 +264,46 @@ ordered_json PrintDevices(const CalibratedDevices& devices) {
   return {{"camera", camera}, {"table", PrintDevice(devices.table)}, {"lens", devices.lens}};
 }
 
-namespace {
-
-std::string PrintCalibration(const RigCalibration& calibration, const std::string& lens_path,
-                             const std::string& lens_text) {
+std::string PrintRigCalibration(const RigCalibration& calibration, const std::string& lens_path) {
   const calib::TurntableGeometry& geometry = calibration.geometry;
   const CalibrationCovariances& known = calibration.covariances;
   const std::string& unit = calibration.length_unit;
-  ordered_json lens{{"path", lens_path}, {"sha256", Sha256Hex(lens_text)}, {"unit", "pixel"}};
+  ordered_json lens{
+      {"path", lens_path}, {"sha256", Sha256Hex(calibration.lens.ToString())}, {"unit", "pixel"}};
   AddCovariance(lens, known.camera_model);
+  const auto part = [&](const char* key, ordered_json value, const std::string& in,
+                        const Covariance& covariance) {
+    return std::pair(key, PrintPart(calibration, key, std::move(value), in, covariance));
+  };
   std::vector<std::pair<const char*, ordered_json>> parts = {
       {"format", kFormat},
       {"version", 1},
       {"length_unit", unit},
       {"camera_model", lens},
-      {"X_WC", PrintValue(PrintPose(geometry.X_WC), unit, known.X_WC)},
-      {"X_WA", PrintValue(PrintPose(geometry.X_WA), unit, known.X_WA)},
-      {"angle_scale", PrintValue(geometry.angle_scale, "deg/deg", known.angle_scale)},
-      {"angle_offset", PrintValue(geometry.angle_offset_deg, "deg", known.angle_offset)},
+      part("X_WC", PrintPose(geometry.X_WC), unit, known.X_WC),
+      part("X_WA", PrintPose(geometry.X_WA), unit, known.X_WA),
+      part("angle_scale", geometry.angle_scale, "deg/deg", known.angle_scale),
+      part("angle_offset", geometry.angle_offset_deg, "deg", known.angle_offset),
       {"radiometry", PrintRadiometryObject(calibration)},
       {"identity", PrintDevices(calibration.devices)}};
   if (calibration.target_placed)
-    parts.insert(parts.begin() + 6,
-                 {"X_AT", PrintValue(PrintPose(geometry.X_AT), unit, known.X_AT)});
+    parts.insert(parts.begin() + 6, part("X_AT", PrintPose(geometry.X_AT), unit, known.X_AT));
   if (known.joint) parts.emplace_back("joint_covariance", PrintJointCovariance(*known.joint));
+  ordered_json rest;
+  for (const auto& [key, value] : parts) rest[key] = value;
+  parts.emplace_back("sha256", ContentSha256(rest));
   std::string text;
   for (const auto& [key, value] : parts)
     text += (text.empty() ? "{\n \"" : ",\n \"") + std::string(key) + "\": " + value.dump();
   return text + "\n}\n";
 }
+
+void MarkFound(RigCalibration& calibration, std::initializer_list<const char*> parts) {
+  const std::string sha256 = Sha256Hex(calibration.lens.ToString());
+  for (const char* part : parts) calibration.found_with[part] = sha256;
+}
+
+namespace {
 
 // Beyond the pixels' range nothing would ever count as clipped; far below it nearly all would.
 Status CheckFullScale(const RigCalibration& calibration, const CameraDevice& camera) {
@@ -286,7 +334,15 @@ Result<RigCalibration> ReadRigCalibration(const fs::path& path) {
   if (object.Integer("version", INT64_MIN, INT64_MAX) != 1 && object.ok())
     object.Refuse("version", "1, the version that this program reads");
   if (!object.ok()) return Forward(object.Finish());
-  return ReadKeys(object, path.parent_path());
+  const auto sha256 = object.OptionalString("sha256");
+  auto calibration = ReadKeys(object, path.parent_path());
+  if (!calibration || !sha256) return calibration;
+  const std::string is = ContentSha256(document->root);
+  if (is == *sha256) return calibration;
+  return InputError(object.Where("sha256") + ": \"" + *sha256 +
+                    "\", of the rest of the file it is \"" + is +
+                    "\": the file was changed after it was made; if that was meant, remove "
+                    "the key sha256, else calibrate anew or take back the file as it was made");
 }
 
 Result<RigCalibration> ReadRigCalibration(StrictObject object, const fs::path& folder) {
@@ -297,7 +353,7 @@ Status WriteRigCalibration(const RigCalibration& calibration, const fs::path& pa
   const std::string lens = calibration.lens.ToString();
   const fs::path lens_path = fs::path(path).replace_extension(".cameramodel");
   if (Status status = WriteFileAtomic(lens_path, lens); !status) return status;
-  return WriteFileAtomic(path, PrintCalibration(calibration, lens_path.filename().string(), lens));
+  return WriteFileAtomic(path, PrintRigCalibration(calibration, lens_path.filename().string()));
 }
 
 Status CheckTargetPlaced(const RigCalibration& calibration) {
@@ -325,6 +381,10 @@ Status CheckPictures(const RigCalibration& calibration, const CameraDevice& came
       return InputError(calibration.source + ": identity/camera/" + key + ": " + values.first +
                         ", this config's camera gives " + values.second +
                         "; allowed is a calibration made with these pictures");
+  if (!made.lens.empty() && !camera.lens.empty() && made.lens != camera.lens)
+    return InputError(calibration.source + ": identity/lens: \"" + made.lens +
+                      "\", this config's rig/camera/lens is \"" + camera.lens +
+                      "\"; allowed is a calibration made with this lens, as it is set now");
   return CheckFullScale(calibration, camera);
 }
 

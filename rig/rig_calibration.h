@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <filesystem>
+#include <initializer_list>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -66,15 +68,27 @@ struct RigCalibration {
   SensorNoise noise;
   CalibratedDevices devices;
   CalibrationCovariances covariances;
+  // By the key of a part, the SHA-256 of the camera model that it was found with: the lens's, or
+  // the part is stale. MarkFound sets it.
+  std::map<std::string, std::string> found_with;
   std::string source;  // where it was read, as messages begin: "FILE" or "FILE:LINE: KEY"
 };
 
 // Reads the file and the camera model that it names, which must have its checksum. Fails (kInput)
-// with file, key, value and what is allowed.
+// with file, key, value and what is allowed: besides wrong keys a file that was changed after it
+// was made (sha256, which a file written by hand may leave out), and a part that was found with
+// another lens, naming the command that finds it anew.
 Result<RigCalibration> ReadRigCalibration(const std::filesystem::path& path);
 // The same keys but format and version, as a part of a config; the camera model's path is relative
 // to folder.
 Result<RigCalibration> ReadRigCalibration(StrictObject object, const std::filesystem::path& folder);
+
+// What the file is: its text, with the checksum of itself, where its lens is the file lens_path.
+std::string PrintRigCalibration(const RigCalibration& calibration, const std::string& lens_path);
+
+// Says that these parts (X_WC, X_WA, X_AT, angle_scale, angle_offset) were found with the lens as
+// it is.
+void MarkFound(RigCalibration& calibration, std::initializer_list<const char*> parts);
 
 // Writes the file and beside it its lens, with the ending .cameramodel; whole or not at all. Every
 // number reads back to the same bits.

@@ -10,6 +10,8 @@
 #include "base/stopwatch.h"
 #include "calib/camera_model.h"
 #include "estimator/baseline/paper_estimate.h"
+#include "estimator/from_session/calibration_errors.h"
+#include "rig/session_calibration.h"
 
 namespace turnlight::estimator::from_session {
 namespace {
@@ -122,6 +124,8 @@ Status CheckMethod(const Options& options) {
 // What is read of a session.
 struct Loaded {
   rig::Session session;
+  std::optional<rig::RigCalibration> calibration;
+  std::vector<std::size_t> chosen;  // frames
   std::vector<model::Keyframe> keyframes;
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
@@ -131,8 +135,10 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options,
   auto session = rig::ReadSession(folder);
   if (!session) return Forward(session);
   if (const Status status = CheckMethod(options); !status) return Forward(status);
-  const auto chosen = ChooseFrames(*session, options.views);
+  auto chosen = ChooseFrames(*session, options.views);
   if (!chosen) return Forward(chosen);
+  auto calibration = rig::ReadSessionCalibration(*session);
+  if (!calibration) return Forward(calibration);
   auto shape = rig::ReadTarget(*session);
   if (!shape) return Forward(shape);
   auto keyframes = LoadKeyframes(*session, *chosen, options.stop, stages);
@@ -141,8 +147,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options,
   auto closure = rig::CheckClosure(folder);
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);
-  return Loaded{std::move(*session), std::move(*keyframes), std::move(geometry),
-                std::move(*closure)};
+  return Loaded{std::move(*session),   std::move(*calibration), std::move(*chosen),
+                std::move(*keyframes), std::move(geometry),     std::move(*closure)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
@@ -164,6 +170,8 @@ Stage StageOf(Part part) {
       return Stage::kStarting;
     case Part::kRefine:
       return Stage::kRefining;
+    case Part::kBudget:
+      return Stage::kBudget;
   }
   return Stage::kRefining;
 }
@@ -178,6 +186,11 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& optio
   estimate.initial = options.initial;
   estimate.model = options.model;
   estimate.watch = watch;
+  std::optional<CalibrationErrors> errors;
+  if (loaded.calibration) {
+    errors = ErrorsOf(*loaded.calibration, loaded.session, loaded.chosen, loaded.geometry);
+    if (!errors->items.empty()) estimate.calibration = &*errors;
+  }
   return EstimateScene(loaded.keyframes, loaded.geometry, rays, estimate);
 }
 

@@ -25,7 +25,14 @@ namespace turnlight::estimator::from_session {
 inline constexpr double kCeilingDistanceM = 2.5;
 
 // In their order.
-enum class Stage { kReading, kObserving, kStarting, kRefining };
+enum class Stage {
+  kReading,
+  kObserving,
+  kStarting,
+  kRefining,
+  kBudget
+};  // the last only of
+    // a calibrated session
 
 struct Options {
   results::Method method = results::Method::kLeastSquares;
@@ -53,7 +60,8 @@ struct SessionEstimate {
   double load_s = 0.0;  // seconds until the estimate began, for people
 };
 
-// Fails with kInput (what ReadSession, ReadTarget, ReadFrameImages and CheckClosure refuse; options
+// Fails with kInput (what ReadSession, ReadSessionCalibration, ReadTarget, ReadFrameImages and
+// CheckClosure refuse; options
 // that do not go together), with kNoEstimate if the session gives none, in words that say what to
 // do, and with kInterrupted.
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,

@@ -1,5 +1,5 @@
-// Pixels seen once more with everything a little elsewhere: what a calibration that is wrong changes
-// of the observations.
+// Pixels seen once more with everything a little elsewhere: what a calibration that is wrong
+// changes of the observations.
 #pragma once
 
 #include <cstdint>

@@ -43,6 +43,73 @@ bool IsOrenNayar(const Estimate& estimate) {
   return estimate.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
 }
 
+bool IsZero(double value) { return value == 0.0; }
+bool IsZero(const Eigen::Vector3d& value) { return value.isZero(0.0); }
+
+// The items of one quantity's budget; those of nothing are left out.
+template <typename SigmaOf>
+ordered_json BudgetOf(const Estimate& estimate, const SigmaOf& sigma_of) {
+  ordered_json json = ordered_json::array();
+  for (const uncertainty::BudgetItem& item : estimate.budget) {
+    const auto sigma = sigma_of(item.sigma);
+    if (IsZero(sigma)) continue;
+    json.push_back(ordered_json{
+        {"item", item.words.item}, {"sigma", ToJson(sigma)}, {"words", item.words.words}});
+  }
+  return json;
+}
+
+ordered_json LightBudget(const Estimate& estimate, std::size_t light) {
+  using uncertainty::Uncertainty;
+  const LightEstimate& known = estimate.lights[light];
+  ordered_json json;
+  json["direction_sigma_deg"] = BudgetOf(
+      estimate, [&](const Uncertainty& sigma) { return RadToDeg(sigma.lights[light].direction); });
+  json["inverse_distance_sigma"] = BudgetOf(
+      estimate, [&](const Uncertainty& sigma) { return sigma.lights[light].inverse_distance; });
+  json["distance_sigma"] = nullptr;
+  if (known.distance)
+    json["distance_sigma"] =
+        BudgetOf(estimate, [&](const Uncertainty& sigma) { return sigma.lights[light].distance; });
+  json["intensity_sigma"] = nullptr;
+  if (known.intensity_sigma)
+    json["intensity_sigma"] =
+        BudgetOf(estimate, [&](const Uncertainty& sigma) { return sigma.lights[light].intensity; });
+  return json;
+}
+
+ordered_json ReflectanceBudget(const Estimate& estimate) {
+  using uncertainty::Uncertainty;
+  const auto of = [&](double Uncertainty::*member) {
+    return BudgetOf(estimate, [member](const Uncertainty& sigma) { return sigma.*member; });
+  };
+  ordered_json json;
+  json["albedo"] = BudgetOf(estimate, [](const Uncertainty& sigma) { return sigma.albedo; });
+  json["ambient"] = of(&Uncertainty::ambient);
+  json["diffuse"] = of(&Uncertainty::diffuse);
+  json["specular"] = HasLobe(estimate) ? of(&Uncertainty::specular) : ordered_json(nullptr);
+  json["shininess"] = HasLobe(estimate) ? of(&Uncertainty::shininess) : ordered_json(nullptr);
+  if (IsOrenNayar(estimate))
+    json["roughness_deg"] =
+        BudgetOf(estimate, [](const Uncertainty& sigma) { return RadToDeg(sigma.roughness); });
+  return json;
+}
+
+ordered_json ProductsBudget(const Estimate& estimate) {
+  using uncertainty::Uncertainty;
+  ordered_json json;
+  for (const char* key : {"diffuse_sigma", "specular_sigma"}) json[key] = ordered_json::array();
+  json["ambient_sigma"] =
+      BudgetOf(estimate, [](const Uncertainty& sigma) { return sigma.ambient_product; });
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
+    json["diffuse_sigma"].push_back(BudgetOf(
+        estimate, [i](const Uncertainty& sigma) { return sigma.lights[i].diffuse_product; }));
+    json["specular_sigma"].push_back(BudgetOf(
+        estimate, [i](const Uncertainty& sigma) { return sigma.lights[i].specular_product; }));
+  }
+  return json;
+}
+
 ordered_json ModelToJson(const Estimate& estimate) {
   ordered_json json;
   json["lights"] = estimate.lights.size();
@@ -112,9 +179,10 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
                                 {"fwhm_deg", ToJson(LobeWidthDeg(reflectance))}};
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
   const uncertainty::Uncertainty& stat = estimate.stat;
-  if (estimate.has_sigmas)
-    json["sigma"]["stat"] = SigmaToJson(estimate, {stat.albedo, stat.ambient, stat.diffuse,
-                                                   stat.specular, stat.shininess, stat.roughness});
+  if (!estimate.has_sigmas) return json;
+  json["sigma"]["stat"] = SigmaToJson(estimate, {stat.albedo, stat.ambient, stat.diffuse,
+                                                 stat.specular, stat.shininess, stat.roughness});
+  json["sigma"]["budget"] = ReflectanceBudget(estimate);
   return json;
 }
 
@@ -138,6 +206,7 @@ ordered_json ProductsToJson(const Estimate& estimate) {
     stat["diffuse_sigma"].push_back(ToJson(light.diffuse_product));
     stat["specular_sigma"].push_back(ToJson(light.specular_product));
   }
+  json["budget"] = ProductsBudget(estimate);
   return json;
 }
 
@@ -186,17 +255,17 @@ void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
   std::string list;
   for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
     ordered_json light = json["lights"][i];
-    light.erase("stat");
+    for (const char* key : {"stat", "budget"}) light.erase(key);
     if (i == 0) light.erase("intensity_sigma");
     CollectNullSigmas(light, "lights/" + std::to_string(i), list);
   }
   ordered_json reflectance = json["reflectance"]["sigma"];
-  reflectance.erase("stat");
+  for (const char* key : {"stat", "budget"}) reflectance.erase(key);
   if (!HasLobe(estimate))
     for (const char* key : {"specular", "shininess"}) reflectance.erase(key);
   CollectNullSigmas(reflectance, "reflectance/sigma", list);
   ordered_json products = json["products"];
-  products.erase("stat");
+  for (const char* key : {"stat", "budget"}) products.erase(key);
   CollectNullSigmas(products, "products", list);
   if (!list.empty())
     json["notes"].push_back(ordered_json{
@@ -231,9 +300,11 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
   json["reference_point"] = ToJson(estimate.reference_point);
   json["model"] = ModelToJson(estimate);
   json["lights"] = ordered_json::array();
-  for (std::size_t i = 0; i < estimate.lights.size(); ++i)
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
     json["lights"].push_back(
         LightToJson(estimate.lights[i], estimate.has_sigmas ? &estimate.stat.lights[i] : nullptr));
+    if (estimate.has_sigmas) json["lights"].back()["budget"] = LightBudget(estimate, i);
+  }
   json["reflectance"] = ReflectanceToJson(estimate);
   json["products"] = ProductsToJson(estimate);
   json["residual"] = ordered_json{{"initial_rms", ToJson(estimate.initial_rms)},

@@ -3,9 +3,8 @@
 namespace turnlight::estimator::uncertainty {
 
 const BudgetWords& NoiseWords() {
-  static const BudgetWords kWords{
-      "noise", "noise of the pictures, and residuals that go together",
-      "take more views, or expose longer"};
+  static const BudgetWords kWords{"noise", "noise of the pictures, and residuals that go together",
+                                  "take more views, or expose longer"};
   return kWords;
 }
 

@@ -237,14 +237,17 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
   std::vector<Part> items{{NoiseWords(), parts.stat}};
   items.insert(items.end(), parts.items.begin(), parts.items.end());
   Eigen::MatrixXd total = parts.stat + parts.model;
+  Eigen::MatrixXd of_calibration = Eigen::MatrixXd::Zero(total.rows(), total.cols());
   if (calibration)
     for (Part& part :
          CalibrationParts(*calibration, solution, columns, covariance, reported, order)) {
       total += part.covariance;
+      of_calibration += part.covariance;
       items.push_back(std::move(part));
     }
   Uncertainties out{Unflatten(total, reported.undetermined, order.size()),
                     Unflatten(parts.stat, reported.undetermined, order.size()),
+                    Unflatten(of_calibration, reported.undetermined, order.size()),
                     BudgetOf(items, total, reported.undetermined, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;

@@ -45,6 +45,7 @@ struct BudgetItem {
 // sigma_total^2 = sigma_stat^2 + sigma_model^2.
 struct Uncertainties {
   Uncertainty total, stat;
+  Uncertainty calibration;         // the calibration's share, which is in the total
   std::vector<BudgetItem> budget;  // the noise first; items of nothing are left out
 };
 

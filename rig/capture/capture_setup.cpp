@@ -53,6 +53,8 @@ Status CheckSetup(const CaptureSetup& setup) {
 std::vector<std::pair<std::string, std::string>> CopiesOf(const CaptureSetup& setup) {
   std::vector<std::pair<std::string, std::string>> copies{
       {kCaptureCameraFile, setup.camera.ToString()}};
+  if (!setup.calibration_text.empty())
+    copies.emplace_back(kCaptureCalibrationFile, setup.calibration_text);
   if (const auto* mesh = std::get_if<MeshCopy>(&setup.target))
     copies.emplace_back(PathOf(*mesh), mesh->bytes);
   return copies;

@@ -20,6 +20,8 @@ namespace turnlight::rig {
 
 // Of the lens, in the session's folder.
 inline constexpr char kCaptureCameraFile[] = "camera.cameramodel";
+// Of the rig's calibration there, whose lens that is.
+inline constexpr char kCaptureCalibrationFile[] = "rig-calibration.json";
 
 // A mesh as the session will hold it: target.ply or target.obj.
 enum class MeshFormat { kPly, kObj };
@@ -40,6 +42,7 @@ struct CaptureSetup {
   std::string name;         // of the session
   std::string length_unit = "mm";
   calib::CameraModel camera;
+  std::string calibration_text;      // of the session's copy; empty: the rig has none
   calib::Radiometry radiometry;      // of raw DN; the session's is SessionRadiometry of it
   std::optional<std::string> bayer;  // refused together with a bracket
   CaptureTarget target;

@@ -300,6 +300,8 @@ Status SessionRecorder::WriteSessionFiles() {
   session.length_unit = setup_.length_unit;
   session.camera_path = kCaptureCameraFile;
   session.camera = setup_.camera;
+  if (!setup_.calibration_text.empty())
+    session.calibration = {kCaptureCalibrationFile, Sha256Hex(setup_.calibration_text)};
   session.radiometry =
       SessionRadiometry(setup_.radiometry, setup_.plan.exposures_us, setup_.plan.gain_db);
   session.bayer = setup_.bayer;

@@ -39,10 +39,17 @@ struct FrameRecord {
   std::optional<std::string> sha256;  // of the image file's bytes
 };
 
+// A copy of the rig's calibration that the session was captured with.
+struct CalibrationFile {
+  std::string path;  // relative
+  std::string sha256;
+};
+
 struct Session {
   std::string name;
-  std::string length_unit;       // "mm", "m", ...: any word without spaces
-  std::string camera_path;       // relative
+  std::string length_unit;  // "mm", "m", ...: any word without spaces
+  std::string camera_path;  // relative
+  std::optional<CalibrationFile> calibration;
   calib::Radiometry radiometry;  // references filled in from frame 0
   std::optional<std::string> bayer;
   Target target;

@@ -41,6 +41,7 @@ std::vector<NamedPath> PathsOfFrame(const FrameRecord& frame, std::size_t index)
 
 std::vector<NamedPath> PathsOf(const Session& session) {
   std::vector<NamedPath> paths{{"camera", session.camera_path}};
+  if (session.calibration) paths.push_back({"calibration/path", session.calibration->path});
   if (const auto* mesh = std::get_if<MeshFile>(&session.target))
     paths.push_back({"target/path", mesh->path});
   for (std::size_t i = 0; i < session.frames.size(); ++i)

@@ -40,6 +40,14 @@ void ParseRadiometry(StrictObject object, Session& session, std::vector<std::str
   Collect(object.Finish(), problems);
 }
 
+void ParseCalibration(StrictObject object, Session& session, std::vector<std::string>& problems) {
+  object.AllowPrefix("x-");
+  session.calibration = {object.String("path"), object.String("sha256")};
+  if (object.ok() && !IsSha256(session.calibration->sha256))
+    object.Refuse("sha256", "64 lower-case hexadecimal digits");
+  Collect(object.Finish(), problems);
+}
+
 void ParseTarget(StrictObject object, Target& target, std::vector<std::string>& problems) {
   object.AllowPrefix("x-");
   target = ReadTargetKeys(object);
@@ -162,6 +170,8 @@ ParsedSession ParseSession(const std::string& text, const std::string& file) {
   if (object.ok() && !IsWord(session.length_unit))
     object.Refuse("length_unit", "a word without spaces, such as \"mm\"");
   session.camera_path = object.String("camera");
+  if (const auto calibration = object.OptionalObject("calibration"))
+    ParseCalibration(*calibration, session, parsed.problems);
   ParseRadiometry(object.Object("radiometry"), session, parsed.problems);
   ParseTarget(object.Object("target"), session.target, parsed.problems);
   ParseFrames(object, file, session, parsed.problems);
@@ -178,6 +188,10 @@ std::string PrintSession(const Session& session) {
   text += key("format", "turnlight-session") + ",\n" + key("version", 1) + ",\n";
   text += key("name", session.name) + ",\n" + key("length_unit", session.length_unit) + ",\n";
   text += key("camera", session.camera_path) + ",\n";
+  if (session.calibration)
+    text += key("calibration", ordered_json{{"path", session.calibration->path},
+                                            {"sha256", session.calibration->sha256}}) +
+            ",\n";
   text += key("radiometry", PrintRadiometry(session)) + ",\n";
   text += key("target", PrintTarget(session.target)) + ",\n \"frames\": [";
   for (std::size_t i = 0; i < session.frames.size(); ++i)

@@ -9,6 +9,7 @@
 #include "base/sha256.h"
 #include "rig/session/journal.h"
 #include "rig/session/session_files.h"
+#include "rig/session_calibration.h"
 
 namespace turnlight::rig {
 namespace {
@@ -138,6 +139,8 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
   if (!session.camera) return report;  // its size is what every frame is checked against
   const auto target = ReadTarget(session);
   if (!target) report.problems.push_back(target.error().text);
+  if (const auto calibration = ReadSessionCalibration(session); !calibration)
+    report.problems.push_back(calibration.error().text);
   report.session_good = report.problems.empty();
 
   std::vector<std::vector<std::string>> problems(session.frames.size());

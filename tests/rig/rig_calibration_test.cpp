@@ -110,9 +110,11 @@ class RigCalibrationTest : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(WriteRigCalibration(Example(), path_)); }
 
-  // What is said of the file when it has that value under a pointer; without it if null.
+  // What is said of the file, as if written by hand, when it has that value under a pointer;
+  // without it if null.
   std::string Refusal(const std::string& pointer, const json& value) const {
     json root = json::parse(*ReadFile(path_));
+    root.erase("sha256");
     if (value.is_null()) {
       const json::json_pointer at(pointer);
       root.at(at.parent_pointer()).erase(at.back());
@@ -155,6 +157,7 @@ TEST_F(RigCalibrationTest, WhatIsOptionalMayBeMissing) {
        {"saturation", "reference_exposure_us", "reference_gain_db", "white_balance", "noise"})
     root["radiometry"].erase(key);
   root["identity"].erase("lens");
+  root.erase("sha256");
   root["identity"]["camera"].erase("roi_offset");
   root["identity"]["camera"].erase("binning");
   ASSERT_TRUE(WriteFileAtomic(path_, root.dump()));
@@ -263,10 +266,50 @@ TEST_F(RigCalibrationTest, TheLensIsTheOneThatItWasMadeWith) {
   EXPECT_THAT(Refusal("/camera_model/sha256", "abc"), HasSubstr("64 lower-case"));
 }
 
+TEST_F(RigCalibrationTest, AFileThatWasChangedIsRefused) {
+  json root = json::parse(*ReadFile(path_));
+  ASSERT_TRUE(WriteFileAtomic(path_, root.dump(4)));
+  EXPECT_TRUE(ReadRigCalibration(path_)) << "laid out otherwise, and nothing is changed";
+  const std::string made = root["sha256"];
+  root["X_WC"]["value"][0][3] = 0.25;
+  ASSERT_TRUE(WriteFileAtomic(path_, root.dump()));
+  const auto read = ReadRigCalibration(path_);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(read.error().text,
+              AllOf(StartsWith(path_ + ": sha256: \"" + made + "\", of the rest of the file it is"),
+                    HasSubstr("changed after it was made; if that was meant, remove the key")));
+  root.erase("sha256");
+  ASSERT_TRUE(WriteFileAtomic(path_, root.dump()));
+  EXPECT_TRUE(ReadRigCalibration(path_));
+}
+
+TEST_F(RigCalibrationTest, APartThatWasFoundWithAnotherLensIsStale) {
+  RigCalibration calibration = Example();
+  MarkFound(calibration, {"X_WC", "angle_scale", "X_AT"});
+  ASSERT_TRUE(WriteRigCalibration(calibration, path_));
+  const auto fresh = ReadRigCalibration(path_);
+  ASSERT_TRUE(fresh) << fresh.error().text;
+  EXPECT_EQ(fresh->found_with, calibration.found_with);
+  calibration.lens = calib::CameraModel::Pinhole(640, 480, 702.0, 701.3, 320, 239);
+  ASSERT_TRUE(WriteRigCalibration(calibration, path_));
+  const auto stale = ReadRigCalibration(path_);
+  ASSERT_FALSE(stale);
+  EXPECT_THAT(stale.error().text,
+              AllOf(StartsWith(path_ + ": X_WC/with: X_WC was found with another lens"),
+                    EndsWith("turnlight calibrate axis finds it anew")));
+  MarkFound(calibration, {"X_WC", "angle_scale"});
+  ASSERT_TRUE(WriteRigCalibration(calibration, path_));
+  EXPECT_THAT(ReadRigCalibration(path_).error().text,
+              AllOf(HasSubstr("X_AT was found with another lens"),
+                    EndsWith("turnlight calibrate target finds it anew")));
+}
+
 TEST_F(RigCalibrationTest, TheSameKeysMayStandInAConfig) {
   json root = json::parse(*ReadFile(path_));
   root.erase("format");
   root.erase("version");
+  root.erase("sha256");
   const auto document = ParseYaml("calibration: " + root.dump(), "c.yaml");
   ASSERT_TRUE(document) << document.error().text;
   StrictObject config(*document);
@@ -298,6 +341,14 @@ TEST(RigCalibrationOfOthers, PicturesOfAnotherRegionAreRefused) {
   camera.roi_offset = {8, 16};
   camera.binning = {2, 2};
   EXPECT_TRUE(CheckPictures(calibration, camera));
+  camera.lens = calibration.devices.lens;
+  EXPECT_TRUE(CheckPictures(calibration, camera));
+  camera.lens = "35 mm";
+  EXPECT_EQ(CheckPictures(calibration, camera).error().text,
+            "r.json: identity/lens: \"50 mm, focused at 0.5 m, f/8\", this config's "
+            "rig/camera/lens is \"35 mm\"; allowed is a calibration made with this lens, as it is "
+            "set now");
+  camera.lens.clear();
   camera.format.size.width = 320;
   EXPECT_EQ(CheckPictures(calibration, camera).error().text,
             "r.json: identity/camera/resolution: 640 x 480, this config's camera gives 320 x 480; "
