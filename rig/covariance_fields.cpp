@@ -46,9 +46,12 @@ ordered_json PrintMatrix(const Eigen::MatrixXd& matrix) {
 using NamedCovariance = std::pair<std::string, const std::optional<Eigen::MatrixXd>*>;
 
 std::vector<NamedCovariance> NamedParts(const CalibrationCovariances& known) {
-  return {{"camera_model", &known.camera_model}, {"X_WC", &known.X_WC},
-          {"X_WA", &known.X_WA},                 {"X_AT", &known.X_AT},
-          {"angle_scale", &known.angle_scale},   {"angle_offset", &known.angle_offset}};
+  return {{"camera_model", &known.camera_model},
+          {"X_WC", &known.X_WC},
+          {"X_WA", &known.X_WA},
+          {"X_AT", &known.X_AT},
+          {"angle_scale", &known.angle_scale},
+          {"angle_offset", &known.angle_offset}};
 }
 
 // The parts that the key of names; a refusal in the object if it names others.

@@ -99,6 +99,7 @@ void PutAxis(const axis::AxisCalibration& axis, const CalibratedLens& lens,
   calibration.geometry.X_WC = axis.X_WC;
   calibration.geometry.angle_scale = axis.angle_scale;
   calibration.target_placed = false;
+  rig::MarkFound(calibration, {"X_WC", "X_WA", "angle_scale", "angle_offset"});
   rig::CalibrationCovariances& known = calibration.covariances;
   known.X_WC = axis.covariance.topLeftCorner(6, 6);
   known.X_WA = Eigen::MatrixXd::Zero(6, 6);  // by choice of W
@@ -107,8 +108,8 @@ void PutAxis(const axis::AxisCalibration& axis, const CalibratedLens& lens,
   known.joint = rig::JointCovariance{{"X_WC", "angle_scale"}, axis.covariance};
   if (!axis.joint_covariance || lens.camera.intrinsics().size() > kMostIntrinsicsInFile) return;
   known.camera_model = lens.covariance;
-  known.joint = rig::JointCovariance{{"camera_model", "X_WC", "angle_scale"},
-                                     *axis.joint_covariance};
+  known.joint =
+      rig::JointCovariance{{"camera_model", "X_WC", "angle_scale"}, *axis.joint_covariance};
 }
 
 // Beside the calibration, named after it.

@@ -23,8 +23,9 @@ cv::Mat GreyOf(const cv::Mat& picture, double white) {
 template <typename Frame>
 Status AddAngle(const Frame& frame, const std::string& where, TurningPictures& pictures) {
   if (!frame.angle_deg && !frame.angle_measured_deg)
-    return InputError(where + ": neither angle_measured_deg nor angle_deg, allowed are frames "
-                              "with the angle of the table");
+    return InputError(where +
+                      ": neither angle_measured_deg nor angle_deg, allowed are frames "
+                      "with the angle of the table");
   pictures.angles_deg.push_back(frame.angle_measured_deg ? *frame.angle_measured_deg
                                                          : *frame.angle_deg);
   return {};
@@ -43,8 +44,8 @@ Result<TurningPictures> OfCapture(const fs::path& path, const std::string& kind)
                       "\", allowed is a capture with --kind " + kind);
   TurningPictures pictures;
   for (const std::size_t i : frames)
-    if (const Status status = AddAngle(
-            capture->frames[i], path.string() + ": frames/" + std::to_string(i), pictures);
+    if (const Status status =
+            AddAngle(capture->frames[i], path.string() + ": frames/" + std::to_string(i), pictures);
         !status)
       return Forward(status);
   pictures.size = capture->devices.resolution;
@@ -64,8 +65,8 @@ Result<TurningPictures> OfSession(const fs::path& path) {
   const auto session = std::make_shared<const rig::Session>(std::move(*read));
   TurningPictures pictures;
   for (std::size_t i = 0; i < session->frames.size(); ++i)
-    if (const Status status = AddAngle(
-            session->frames[i], path.string() + ": frames/" + std::to_string(i), pictures);
+    if (const Status status =
+            AddAngle(session->frames[i], path.string() + ": frames/" + std::to_string(i), pictures);
         !status)
       return Forward(status);
   pictures.size = {session->camera->width(), session->camera->height()};

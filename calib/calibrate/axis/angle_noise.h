@@ -20,8 +20,8 @@ struct ViewSums {
 };
 
 struct NoiseEstimate {
-  double corner = 0.0;   // sigma of a residual
-  double angle = 0.0;    // sigma of a deviation
+  double corner = 0.0;     // sigma of a residual
+  double angle = 0.0;      // sigma of a deviation
   int corner_freedom = 0;  // degrees of freedom
   int angle_freedom = 0;
 };

@@ -79,8 +79,8 @@ std::size_t DistinctAngles(const std::vector<double>& angles_deg) {
 Status CheckEnough(const std::vector<double>& angles_deg, std::size_t views, bool fits_backlash) {
   const std::size_t distinct = DistinctAngles(angles_deg);
   const std::size_t fewest = kFewestViews + (fits_backlash ? 1 : 0);
-  const std::string count = std::to_string(angles_deg.size()) + " of " + std::to_string(views) +
-                            " views can be used";
+  const std::string count =
+      std::to_string(angles_deg.size()) + " of " + std::to_string(views) + " views can be used";
   if (angles_deg.size() < fewest)
     return NoEstimateError(count + ", allowed are at least " + std::to_string(fewest) +
                            ": with fewer the noise of the angles cannot be told from the scale" +
@@ -199,8 +199,7 @@ Status Solve(const CameraModel& camera, double angle_noise, AxisFit& fit) {
     kept.push_back(view->kept);
     fit.state.deviations.push_back(view->deviation);
   }
-  const Status status =
-      FitTurning(camera, kept, angle_noise, fit.fits_backlash, fit.state);
+  const Status status = FitTurning(camera, kept, angle_noise, fit.fits_backlash, fit.state);
   if (!status) return status;
   fit.sums.assign(used.size(), {});
   for (std::size_t i = 0; i < used.size(); ++i) {
@@ -210,9 +209,8 @@ Status Solve(const CameraModel& camera, double angle_noise, AxisFit& fit) {
     const Eigen::VectorXd y = linear.residuals - deviation * z;
     const Eigen::MatrixXd X = linear.by_step.leftCols(fit.columns);
     ViewSums& sums = fit.sums[i];
-    sums = {X.transpose() * X, X.transpose() * z,   X.transpose() * y,
-            z.squaredNorm(),   z.dot(y),            y.squaredNorm(),
-            static_cast<int>(y.size()), kept[i].free_angle};
+    sums = {X.transpose() * X, X.transpose() * z, X.transpose() * y,          z.squaredNorm(),
+            z.dot(y),          y.squaredNorm(),   static_cast<int>(y.size()), kept[i].free_angle};
     used[i]->free_deviation = -sums.zy / sums.zz;
     used[i]->free_sigma = 1.0 / std::sqrt(sums.zz);
   }
@@ -261,8 +259,8 @@ bool SiftPoints(const CameraModel& camera, AxisFit& fit) {
     for (const double size : of_view[i]) fits.push_back(size <= kOutlierSigmas * sigma);
     changed = changed || fits != used[i]->fits;
     used[i]->fits = std::move(fits);
-    const auto good = static_cast<std::size_t>(
-        std::count(used[i]->fits.begin(), used[i]->fits.end(), true));
+    const auto good =
+        static_cast<std::size_t>(std::count(used[i]->fits.begin(), used[i]->fits.end(), true));
     if (2 * good > used[i]->fits.size() && good >= kFewestPoints) continue;
     used[i]->used = false;
     std::vector<double> of = of_view[i];
@@ -284,8 +282,7 @@ bool SiftAngles(AxisFit& fit) {
   FitView* worst = nullptr;
   double most = kOutlierSigmas;
   for (FitView* view : used) {
-    const double ratio =
-        std::abs(view->free_deviation) / std::hypot(spread, view->free_sigma);
+    const double ratio = std::abs(view->free_deviation) / std::hypot(spread, view->free_sigma);
     if (view->all.free_angle || !(ratio > most)) continue;
     most = ratio;
     worst = view;

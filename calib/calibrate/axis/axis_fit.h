@@ -17,10 +17,10 @@ struct FitView {
   bool used = false;
   std::string why_not;
   std::size_t numbering = 0;
-  ModelView all;              // with all of its points, in the numbering of the reference view
-  std::vector<bool> fits;     // of those points
-  ModelView kept;             // with those that fit
-  double deviation = 0.0;     // radians, with the prior
+  ModelView all;           // with all of its points, in the numbering of the reference view
+  std::vector<bool> fits;  // of those points
+  ModelView kept;          // with those that fit
+  double deviation = 0.0;  // radians, with the prior
   // Without the prior, and its sigma from the corners' noise.
   double free_deviation = 0.0, free_sigma = 0.0;
 };

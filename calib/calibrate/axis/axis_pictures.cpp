@@ -77,8 +77,7 @@ void DrawDeviations(cv::Mat3b& page, Chart chart, const AxisCalibration& axis,
                     const std::vector<AxisView>& views) {
   double most = std::max(1.5 * axis.angle_sigma_deg, 1e-4);
   for (const FittedView& view : axis.views)
-    if (view.used)
-      most = std::max(most, std::abs(view.deviation_deg) + view.deviation_sigma_deg);
+    if (view.used) most = std::max(most, std::abs(view.deviation_deg) + view.deviation_sigma_deg);
   chart.top = plot::RoundUp(1e3 * most);
   chart.bottom = -chart.top;
   DrawBand(page, chart, 1e3 * axis.angle_sigma_deg);
@@ -102,10 +101,10 @@ void DrawRms(cv::Mat3b& page, Chart chart, const AxisCalibration& axis,
   for (const FittedView& view : axis.views) most = std::max(most, view.rms_px);
   chart.top = plot::RoundUp(1.05 * most);
   DrawFrame(page, chart, "corners' rms, px");
-  plot::DrawPath(page,
-                 {chart.At(chart.left, axis.corner_sigma_px),
-                  chart.At(chart.right, axis.corner_sigma_px)},
-                 kPaleBlue, 3);
+  plot::DrawPath(
+      page,
+      {chart.At(chart.left, axis.corner_sigma_px), chart.At(chart.right, axis.corner_sigma_px)},
+      kPaleBlue, 3);
   for (const FittedView& view : axis.views) {
     const double x = views[view.view].angle_deg;
     if (view.used)
@@ -135,7 +134,8 @@ std::array<Eigen::Vector3d, 4> CornersOf(const board::Board& board) {
 
 void DrawCamera(cv::Mat3b& page, const Drawing& drawing, const Pose& X_WC, double size) {
   // A pyramid whose tip is the centre of projection.
-  const std::array<Eigen::Vector3d, 4> base{{{-0.6, -0.4, 1}, {0.6, -0.4, 1}, {0.6, 0.4, 1}, {-0.6, 0.4, 1}}};
+  const std::array<Eigen::Vector3d, 4> base{
+      {{-0.6, -0.4, 1}, {0.6, -0.4, 1}, {0.6, 0.4, 1}, {-0.6, 0.4, 1}}};
   std::vector<cv::Point2d> outline;
   const cv::Point2d tip = drawing.At(X_WC.translation);
   for (const Eigen::Vector3d& corner : base) outline.push_back(drawing.At(X_WC * (size * corner)));
@@ -165,8 +165,8 @@ void DrawPathOfBoard(cv::Mat3b& page, const Drawing& drawing, const AxisCalibrat
   const Eigen::Vector3d middle = axis.X_WB * (0.5 * corners[2]);
   std::vector<cv::Point2d> path;
   for (int i = 0; i <= 60; ++i)
-    path.push_back(drawing.At(
-        Turn(Eigen::Vector3d::UnitZ(), DegToRad(axis.angle_scale * i)) * middle));
+    path.push_back(
+        drawing.At(Turn(Eigen::Vector3d::UnitZ(), DegToRad(axis.angle_scale * i)) * middle));
   if (cv::norm(path.back() - path.front()) < 4.0) return;
   plot::DrawPath(page, path, kRed, 2);
   const cv::Point2d along = (path[60] - path[57]) / cv::norm(path[60] - path[57]);
@@ -190,7 +190,8 @@ void DrawPart(cv::Mat3b& page, const Drawing& drawing, const AxisCalibration& ax
                    kRed, 1);
     plot::DrawDisc(part, drawing.origin, 4.0, kRed);
   }
-  plot::DrawText(part, drawing.from_above ? "from above: x right, y up" : "from the side: x right, z up",
+  plot::DrawText(part,
+                 drawing.from_above ? "from above: x right, y up" : "from the side: x right, z up",
                  {drawing.area.x + 10.0, drawing.area.y + 14.0}, plot::kLabel, Align::kLeft);
   DrawCamera(part, drawing, axis.X_WC, 30.0 / drawing.scale);
 }
@@ -217,8 +218,9 @@ cv::Mat3b DrawAxisViews(const AxisCalibration& axis, const std::vector<AxisView>
   plot::DrawText(page, "angle that the table reports",
                  {kLeftOf + 0.5 * width, chart.area.y + 140 + 42.0}, plot::kLabel, Align::kCenter);
   const double y = page.rows - 20.0;
-  plot::DrawSwatch(page, {kLeftOf, int(y)}, kPaleBlue,
-                   Format("sigma: %.4f\u00b0, %.3f px", axis.angle_sigma_deg, axis.corner_sigma_px));
+  plot::DrawSwatch(
+      page, {kLeftOf, int(y)}, kPaleBlue,
+      Format("sigma: %.4f\u00b0, %.3f px", axis.angle_sigma_deg, axis.corner_sigma_px));
   DrawCross(page, {kLeftOf + 330.0, y});
   plot::DrawText(page, "left out", {kLeftOf + 344.0, y}, plot::kLabel, Align::kLeft);
   plot::DrawDisc(page, {kLeftOf + 450.0, y}, 3.5, kRed);
@@ -259,17 +261,16 @@ cv::Mat3b DrawAxisPlan(const AxisCalibration& axis, const board::Board& board,
             {x0, plot::kTitleHeight + 0.5 * above},
             true},
            axis, board);
-  DrawPart(page,
-           {{plot::kMargin, second, frame, beside},
-            scale,
-            {x0, second + kRoom + scale * high},
-            false},
-           axis, board);
+  DrawPart(
+      page,
+      {{plot::kMargin, second, frame, beside}, scale, {x0, second + kRoom + scale * high}, false},
+      axis, board);
   const double bar = plot::RoundDown(0.3 * frame / scale), at = page.rows - 22.0;
   plot::DrawPath(page, {{plot::kMargin, at}, {plot::kMargin + scale * bar, at}}, plot::kInk, 3);
   plot::DrawText(page, plot::FormatNumber(bar) + " " + length_unit,
                  {plot::kMargin + scale * bar + 10.0, at}, plot::kLabel, Align::kLeft);
-  plot::DrawText(page, "blue: the board at 0\u00b0; red: the axis, and the board's way as angles grow",
+  plot::DrawText(page,
+                 "blue: the board at 0\u00b0; red: the axis, and the board's way as angles grow",
                  {frame + double(plot::kMargin), at}, plot::kLabel, Align::kRight);
   return page;
 }

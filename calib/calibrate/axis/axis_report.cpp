@@ -10,16 +10,16 @@ namespace {
 
 // What a good rig reaches: light directions are asked for to 0.2 degrees.
 constexpr double kGoodDirectionDeg = 0.02;
-constexpr double kGoodOffset = 2e-4;     // of the camera's distance: 0.1 mm of 500
-constexpr double kGoodTurnDeg = 0.1;     // a turn, by the scale
+constexpr double kGoodOffset = 2e-4;  // of the camera's distance: 0.1 mm of 500
+constexpr double kGoodTurnDeg = 0.1;  // a turn, by the scale
 constexpr double kPoorCornersPx = 1.0;
 constexpr double kPoorAnglesDeg = 0.2;
 constexpr double kScaleOfNote = 0.01;
 
 std::string ScaleText(const AxisCalibration& axis) {
-  std::string text = Format("angle scale   %.6f +- %.6f: a reported turn is %.3f +- %.3f deg\n",
-                            axis.angle_scale, axis.scale_sigma, 360.0 * axis.angle_scale,
-                            360.0 * axis.scale_sigma);
+  std::string text =
+      Format("angle scale   %.6f +- %.6f: a reported turn is %.3f +- %.3f deg\n", axis.angle_scale,
+             axis.scale_sigma, 360.0 * axis.angle_scale, 360.0 * axis.scale_sigma);
   if (axis.angle_scale < 0.0)
     text +=
         "              negative: the table counts clockwise seen from above (from +z). It is "
@@ -111,8 +111,9 @@ std::string AxisText(const AxisCalibration& axis, const std::vector<AxisView>& v
                 axis.direction_sigma_deg, axis.offset_sigma, unit) +
          Format("camera        %.3f %s from the axis, %.3f %s above W's origin, which is %s\n",
                 std::hypot(p_WC.x(), p_WC.y()), unit, p_WC.z(), unit,
-                axis.board_lies ? "where the axis meets the board's plane, or as far above as asked"
-                                : "on the axis beside the board's middle, or as far above as asked") +
+                axis.board_lies
+                    ? "where the axis meets the board's plane, or as far above as asked"
+                    : "on the axis beside the board's middle, or as far above as asked") +
          ScaleText(axis) + BacklashText(axis) + ClosureText(axis, views, length_unit) +
          Format("noise         corners %.3f px, angles %.4f deg\n", axis.corner_sigma_px,
                 axis.angle_sigma_deg) +

@@ -16,14 +16,14 @@ namespace {
 constexpr double kSmallestCosine = 0.1;
 constexpr std::size_t kFewestForHomography = 4;
 // Of a tilt's fit: a guess from a homography is no least-squares fit, so that this is wide.
-constexpr double kFarOff = 6.0;        // medians of the distances
+constexpr double kFarOff = 6.0;          // medians of the distances
 constexpr double kFarOffAtLeast = 2e-4;  // of the distance to the board: 0.2 px at 1000 px
 constexpr int kRounds = 3;
 // Of distances in the picture: a tilt that fits so much worse than the other is no candidate.
 constexpr double kWorseTilt = 2.0;
 
 struct Rays {
-  std::vector<std::size_t> place;       // in the view
+  std::vector<std::size_t> place;  // in the view
   std::vector<cv::Point3d> p_B;
   std::vector<cv::Point2d> normalised;  // in the camera D
   Eigen::Matrix3d R_CD;                 // D looks at the middle of the points
@@ -85,9 +85,9 @@ std::vector<Pose> Solve(const Rays& rays, const std::vector<bool>& fits) {
     const Eigen::Vector3d turn(w[0], w[1], w[2]), shift(t[0], t[1], t[2]);
     if (!turn.allFinite() || !shift.allFinite() || shift.z() <= 0.0) continue;
     const double angle = turn.norm();
-    const Pose X_DB{angle > 0.0 ? Turn(turn / angle, angle).rotation
-                                : Eigen::Matrix3d::Identity().eval(),
-                    shift};
+    const Pose X_DB{
+        angle > 0.0 ? Turn(turn / angle, angle).rotation : Eigen::Matrix3d::Identity().eval(),
+        shift};
     poses.push_back(Pose{rays.R_CD, Eigen::Vector3d::Zero()} * X_DB);
   }
   return poses;
@@ -134,8 +134,8 @@ BoardPoses GuessBoardPoses(const board::Board& board, const CameraModel& camera,
     if (guess.X_CB.empty()) break;
     guess.fits = Fitting(rays, guess.X_CB.front(), view.points.size());
   }
-  if (guess.X_CB.size() > 1 && MedianMiss(rays, guess.X_CB[1]) >
-                                   kWorseTilt * MedianMiss(rays, guess.X_CB[0]))
+  if (guess.X_CB.size() > 1 &&
+      MedianMiss(rays, guess.X_CB[1]) > kWorseTilt * MedianMiss(rays, guess.X_CB[0]))
     guess.X_CB.resize(1);
   return guess;
 }

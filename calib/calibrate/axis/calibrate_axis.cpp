@@ -16,6 +16,7 @@ namespace {
 constexpr double kWorstDirectionDeg = 1.0;
 constexpr double kWorstOffset = 0.01;     // of the camera's distance
 constexpr double kWorstTurnDeg = 5.0;     // a turn, by the scale
+constexpr double kWorstCornersPx = 10.0;  // no detector and no lens is so bad
 constexpr double kSingular = 1e-13;       // smallest eigenvalue, the diagonal being 1
 constexpr double kWholeTurnDeg = 1.0;     // how near to whole turns views are that are compared
 constexpr double kSmallArcDeg = 90.0;
@@ -50,8 +51,7 @@ std::optional<StepCovariance> CovarianceOf(const AxisFit& fit, const CameraModel
   const auto inverse = InverseOf(MarginalNormal(fit.sums, ratio));
   if (!inverse) return std::nullopt;
   StepCovariance known;
-  known.covariance.topLeftCorner(fit.columns, fit.columns) =
-      noise.corner * noise.corner * *inverse;
+  known.covariance.topLeftCorner(fit.columns, fit.columns) = noise.corner * noise.corner * *inverse;
   if (!options.intrinsics_covariance) return known;
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(fit.columns, options.intrinsics_covariance->rows());
   std::size_t used = 0;
@@ -80,8 +80,7 @@ void SetAxis(const AxisFit& fit, const FrameChoice& choice, const Covariance& co
   const double side = choice.along_u ? 1.0 : -1.0;
   result.direction_C = side * fit.state.u;
   result.origin_C = X_CW.translation;
-  const Eigen::Matrix2d across =
-      X_CW.rotation.leftCols<2>().transpose() * AcrossAxis(fit.state.u);
+  const Eigen::Matrix2d across = X_CW.rotation.leftCols<2>().transpose() * AcrossAxis(fit.state.u);
   const double along = (result.origin_C - fit.state.a).dot(fit.state.u);
   Eigen::Matrix<double, 4, kParameters> by = Eigen::Matrix<double, 4, kParameters>::Zero();
   by.block<2, 2>(0, kDirection) = side * across;
@@ -106,8 +105,7 @@ void SetRig(const AxisFit& fit, const FrameChoice& choice, const StepCovariance&
   result.joint_covariance = std::move(joint);
 }
 
-void SetViews(const AxisFit& fit, const CameraModel& camera, double side,
-              AxisCalibration& result) {
+void SetViews(const AxisFit& fit, const CameraModel& camera, double side, AxisCalibration& result) {
   double squares = 0.0, count = 0.0;
   for (std::size_t i = 0; i < fit.views.size(); ++i) {
     const FitView& view = fit.views[i];
@@ -121,8 +119,7 @@ void SetViews(const AxisFit& fit, const CameraModel& camera, double side,
     ++result.used;
     out.outliers = view.all.points.size() - view.kept.points.size();
     double sum = 0.0;
-    for (const Eigen::Vector2d& residual :
-         Residuals(fit.state, camera, view.kept, view.deviation))
+    for (const Eigen::Vector2d& residual : Residuals(fit.state, camera, view.kept, view.deviation))
       sum += residual.squaredNorm();
     out.rms_px = std::sqrt(sum / (2.0 * static_cast<double>(view.kept.points.size())));
     out.deviation_deg = side * RadToDeg(view.free_deviation);
@@ -175,8 +172,8 @@ void SetClosures(const AxisFit& fit, const CameraModel& camera, double side,
     closure.first = static_cast<std::size_t>(begin - fit.views.begin());
     closure.last = static_cast<std::size_t>(view - fit.views.begin());
     closure.turns = turns;
-    closure.turned_deg = side * (fit.state.scale * 360.0 * turns - whole +
-                                 RadToDeg(turned(*view) - turned(first)));
+    closure.turned_deg =
+        side * (fit.state.scale * 360.0 * turns - whole + RadToDeg(turned(*view) - turned(first)));
     closure.turned_sigma_deg = RadToDeg(std::hypot(first.free_sigma, view->free_sigma));
     closure.shift = ShiftBetween(first, *view, camera, result.views[closure.first].X_CB);
     result.closures.push_back(closure);
@@ -187,7 +184,8 @@ double ArcOf(const AxisFit& fit) {
   std::vector<double> angles;
   for (const FitView& view : fit.views)
     if (view.used)
-      angles.push_back(RadToDeg(view.all.angle) - 360.0 * std::floor(RadToDeg(view.all.angle) / 360.0));
+      angles.push_back(RadToDeg(view.all.angle) -
+                       360.0 * std::floor(RadToDeg(view.all.angle) / 360.0));
   std::sort(angles.begin(), angles.end());
   double gap = angles.front() + 360.0 - angles.back();
   for (std::size_t i = 1; i < angles.size(); ++i) gap = std::max(gap, angles[i] - angles[i - 1]);
@@ -213,6 +211,14 @@ std::string Reasons(const AxisCalibration& result, double distance) {
 Status CheckDetermined(const AxisCalibration& result) {
   const double distance = result.origin_C.norm();
   const double turn_sigma_deg = 360.0 * result.scale_sigma;
+  if (result.corner_sigma_px > kWorstCornersPx)
+    return NoEstimateError(
+        "the views do not show one board that turns about one axis by the angles that the table "
+        "reports: at best the corners are " +
+        NumberText(result.corner_sigma_px, 2) + " px off, allowed are " +
+        NumberText(kWorstCornersPx) +
+        ". Did the board or the camera move, are the pictures in the order of their angles, is it "
+        "this board and this lens?");
   if (result.direction_sigma_deg <= kWorstDirectionDeg &&
       result.offset_sigma <= kWorstOffset * distance && turn_sigma_deg <= kWorstTurnDeg)
     return {};

@@ -35,15 +35,15 @@ struct AxisOptions {
 
 // What became of a view.
 struct FittedView {
-  std::size_t view = 0;   // of the input
+  std::size_t view = 0;  // of the input
   bool used = false;
-  std::string why_not;    // of one that is left out: "no board was found"
+  std::string why_not;        // of one that is left out: "no board was found"
   std::size_t numbering = 0;  // which of the board's same-looking numberings, from view to view
   std::size_t points = 0, outliers = 0;  // points counts the outliers too
-  double rms_px = 0.0;        // per coordinate, of points that are no outliers
-  double deviation_deg = 0.0;        // turned, less what its angle says; true degrees about +z
-  double deviation_sigma_deg = 0.0;  // of the corners' noise
-  Pose X_CB;                         // of a used one
+  double rms_px = 0.0;                   // per coordinate, of points that are no outliers
+  double deviation_deg = 0.0;            // turned, less what its angle says; true degrees about +z
+  double deviation_sigma_deg = 0.0;      // of the corners' noise
+  Pose X_CB;                             // of a used one
 };
 
 struct Backlash {
@@ -54,10 +54,10 @@ struct Backlash {
 
 // The first view against the ones a whole turn (or more) away, by what the table reports.
 struct Closure {
-  std::size_t first = 0, last = 0;  // views of the input
-  double turns = 1.0;               // signed
+  std::size_t first = 0, last = 0;                  // views of the input
+  double turns = 1.0;                               // signed
   double turned_deg = 0.0, turned_sigma_deg = 0.0;  // about +z, that the board did not come back
-  double shift = 0.0;               // length unit: of the board's middle, in its plane
+  double shift = 0.0;  // length unit: of the board's middle, in its plane
 };
 
 struct AxisCalibration {
@@ -76,15 +76,15 @@ struct AxisCalibration {
   double offset_sigma = 0.0;         // likewise, length unit
   double scale_sigma = 0.0;
 
-  Pose X_WB;  // the board when the table reports 0
-  bool board_lies = true;           // rig_frame.h
+  Pose X_WB;                         // the board when the table reports 0
+  bool board_lies = true;            // rig_frame.h
   std::optional<Backlash> backlash;  // nothing if all views came from one side
   std::vector<Closure> closures;
-  double corner_sigma_px = 0.0;  // per coordinate of a well seen point
-  double angle_sigma_deg = 0.0;  // of a view's deviation from its angle
+  double corner_sigma_px = 0.0;   // per coordinate of a well seen point
+  double angle_sigma_deg = 0.0;   // of a view's deviation from its angle
   std::vector<FittedView> views;  // of all of the input
   std::size_t used = 0;
-  double arc_deg = 0.0;   // that the used views leave no larger gap beyond, of 360
+  double arc_deg = 0.0;       // that the used views leave no larger gap beyond, of 360
   double board_radius = 0.0;  // root mean square distance of the board's points from the axis
 };
 

@@ -71,12 +71,11 @@ Walk WalkViews(const std::vector<TurningView>& views, const std::vector<Pose>& t
   walk.board.choices[reference] = {0, reference_tilt, 0.0, 0.0, true};
   const auto at = std::find(order.begin(), order.end(), reference);
   const auto visit = [&](std::size_t from, std::size_t to) {
-    const double expected = walk.board.choices[from].turned +
-                            DegToRad(views[to].angle_deg - views[from].angle_deg);
+    const double expected =
+        walk.board.choices[from].turned + DegToRad(views[to].angle_deg - views[from].angle_deg);
     walk.board.choices[to] = Choose(views[to], turns, R_CB, u, expected);
-    const double off = walk.board.choices[to].fits
-                           ? DegToRad(walk.board.choices[to].off_deg)
-                           : kOff;
+    const double off =
+        walk.board.choices[to].fits ? DegToRad(walk.board.choices[to].off_deg) : kOff;
     walk.cost += off * off;
   };
   for (auto to = at + 1; to != order.end(); ++to) visit(*(to - 1), *to);
@@ -114,8 +113,7 @@ std::vector<Seed> SeedsOf(const std::vector<TurningView>& views, const std::vect
   std::vector<std::size_t> others(views.size());
   std::iota(others.begin(), others.end(), std::size_t{0});
   const auto tells = [&](std::size_t view) {
-    return std::abs(
-        std::sin(0.5 * DegToRad(views[view].angle_deg - views[reference].angle_deg)));
+    return std::abs(std::sin(0.5 * DegToRad(views[view].angle_deg - views[reference].angle_deg)));
   };
   std::erase_if(others, [&](std::size_t view) { return tells(view) < 0.5 * kSmallestTurn; });
   std::stable_sort(others.begin(), others.end(),
@@ -159,7 +157,7 @@ tl::unexpected<Error> NoTurning(std::size_t fitting, std::size_t views) {
 }  // namespace
 
 Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& views,
-                                 const std::vector<Pose>& turns) {
+                                              const std::vector<Pose>& turns) {
   std::vector<std::size_t> order(views.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&views](std::size_t a, std::size_t b) {

@@ -13,8 +13,8 @@
 namespace turnlight::calib::calibrate::axis {
 
 struct TurningView {
-  double angle_deg = 0.0;      // as the table reports it
-  std::vector<Pose> X_CB;      // the tilts that fit, at least one
+  double angle_deg = 0.0;  // as the table reports it
+  std::vector<Pose> X_CB;  // the tilts that fit, at least one
 };
 
 struct TurningBoard {
@@ -22,8 +22,8 @@ struct TurningBoard {
   double scale = 1.0;           // above 0 about this direction
   struct Choice {
     std::size_t turn = 0, tilt = 0;
-    double turned = 0.0;     // radians from view `reference`
-    double off_deg = 0.0;    // rotation between the board as it is seen and as it should be
+    double turned = 0.0;   // radians from view `reference`
+    double off_deg = 0.0;  // rotation between the board as it is seen and as it should be
     bool fits = false;
   };
   std::vector<Choice> choices;  // of each view
@@ -31,10 +31,10 @@ struct TurningBoard {
 };
 
 // The candidates, the best first: where the board looks the same turning the other way, or nearly
-// so, that one too. turns: the board in frame B' is where it would be numbered otherwise, X_CB' = X_CB X_BB'; the
-// first is the identity. The reference view keeps its numbering: which corner is point 0 is a
-// choice. Fails (kNoEstimate): no axis that more than half of the views turn about.
+// so, that one too. turns: the board in frame B' is where it would be numbered otherwise, X_CB' =
+// X_CB X_BB'; the first is the identity. The reference view keeps its numbering: which corner is
+// point 0 is a choice. Fails (kNoEstimate): no axis that more than half of the views turn about.
 Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& views,
-                                 const std::vector<Pose>& turns);
+                                              const std::vector<Pose>& turns);
 
 }  // namespace turnlight::calib::calibrate::axis

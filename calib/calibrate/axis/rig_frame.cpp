@@ -18,8 +18,7 @@ Eigen::Vector3d ZOf(const TurningState& state, const FrameChoice& choice) {
 Eigen::Vector3d OriginOf(const TurningState& state, const FrameChoice& choice) {
   const Eigen::Vector3d z = ZOf(state, choice), normal = state.X_CB.rotation.col(2);
   const Eigen::Vector3d away = state.X_CB * choice.middle_B - state.a;
-  const double along =
-      choice.board_lies ? normal.dot(away) / normal.dot(z) : z.dot(away);
+  const double along = choice.board_lies ? normal.dot(away) / normal.dot(z) : z.dot(away);
   return state.a + (along + choice.origin_height) * z;
 }
 
@@ -65,8 +64,8 @@ Eigen::Matrix<double, kRigParameters, kParameters> ByStep(const TurningState& st
   const Pose X_CW = FrameOf(state, choice).Inverse();
   Eigen::Matrix<double, kRigParameters, kParameters> by;
   for (int column = 0; column < kParameters; ++column) {
-    const bool is_length = (column >= kPoint && column < kBoardTurn) ||
-                           (column >= kBoardShift && column < kScale);
+    const bool is_length =
+        (column >= kPoint && column < kBoardTurn) || (column >= kBoardShift && column < kScale);
     const double size = kStep * (is_length ? distance : 1.0);
     Eigen::Matrix<double, kRigParameters, 2> moved;
     for (int side = 0; side < 2; ++side) {

@@ -21,8 +21,8 @@ namespace turnlight::calib::calibrate::axis {
 // The choices that do not change with small steps of the state.
 struct FrameChoice {
   bool board_lies = true;
-  bool along_u = true;      // z is u, else -u
-  bool x_to_camera = true;  // else downwards in the picture
+  bool along_u = true;                                 // z is u, else -u
+  bool x_to_camera = true;                             // else downwards in the picture
   Eigen::Vector3d middle_B = Eigen::Vector3d::Zero();  // of the board
   double origin_height = 0.0;
 };

@@ -161,8 +161,7 @@ TurningState Stepped(const TurningState& state, const Step& step) {
   TurningState next = state;
   next.u = (state.u + across * step.segment<2>(kDirection)).normalized();
   next.a = state.a + across * step.segment<2>(kPoint);
-  next.X_CB.rotation =
-      RotationOf<double>(step.segment<3>(kBoardTurn)) * state.X_CB.rotation;
+  next.X_CB.rotation = RotationOf<double>(step.segment<3>(kBoardTurn)) * state.X_CB.rotation;
   next.X_CB.translation = state.X_CB.translation + step.segment<3>(kBoardShift);
   next.scale = state.scale + step[kScale];
   next.backlash = state.backlash + step[kBacklash];

@@ -27,8 +27,8 @@ struct ModelPoint {
 };
 
 struct ModelView {
-  double angle = 0.0;     // radians from angle_ref, as the table reports it
-  double approach = 0.0;  // +1: reached by falling angles, -1: by rising ones
+  double angle = 0.0;       // radians from angle_ref, as the table reports it
+  double approach = 0.0;    // +1: reached by falling angles, -1: by rising ones
   bool free_angle = false;  // what the table reports of it counts for nothing
   std::vector<ModelPoint> points;
 };

@@ -1,5 +1,6 @@
-// Proves: the words of a calibrated axis name what it found, what was left out and what is weak; the
-// pictures are drawn for any calibration that there is. Does not prove: that they are beautiful.
+// Proves: the words of a calibrated axis name what it found, what was left out and what is weak;
+// the pictures are drawn for any calibration that there is. Does not prove: that they are
+// beautiful.
 #include "calib/calibrate/axis/axis_report.h"
 
 #include <gmock/gmock.h>

@@ -38,8 +38,7 @@ TEST(AxisStudy, SigmasCoverTheErrors) {
     EXPECT_LT(error.offset.norm(), 0.07);
     const double d = SquaredSigmas(DegToRad(1.0) * error.direction_deg,
                                    found->axis_covariance.topLeftCorner<2, 2>());
-    const double o =
-        SquaredSigmas(error.offset, found->axis_covariance.bottomRightCorner<2, 2>());
+    const double o = SquaredSigmas(error.offset, found->axis_covariance.bottomRightCorner<2, 2>());
     const double s = std::abs(found->angle_scale - 1.0007) / found->scale_sigma;
     for (int sigmas = 1; sigmas <= 2; ++sigmas) {
       direction[sigmas - 1] += d < sigmas * sigmas;

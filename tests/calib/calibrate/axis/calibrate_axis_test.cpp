@@ -1,5 +1,5 @@
-// Proves, on corners that are projected and made noisy: the axis, the camera's place, the scale, the
-// backlash and the closure come back within their sigmas whichever corner of a chessboard is
+// Proves, on corners that are projected and made noisy: the axis, the camera's place, the scale,
+// the backlash and the closure come back within their sigmas whichever corner of a chessboard is
 // numbered first and whichever way the table counts; wrong points and wrong views are left out and
 // named; intrinsics' errors are in the covariance; what the views cannot determine is refused with
 // the reason, or told with a large sigma that holds. Does not prove: coverage of the sigmas

@@ -32,8 +32,7 @@ std::vector<AxisView> SimulateViews(const SimulatedTable& table,
     view.angle_deg = angles_deg[i];
     double play = 0.0;
     if (i > 0) {
-      view.approach =
-          angles_deg[i] > angles_deg[i - 1] ? Approach::kRising : Approach::kFalling;
+      view.approach = angles_deg[i] > angles_deg[i - 1] ? Approach::kRising : Approach::kFalling;
       play = (*view.approach == Approach::kRising ? -0.5 : 0.5) * table.backlash_deg;
     }
     TurntableGeometry geometry = table.geometry;
@@ -82,8 +81,7 @@ double SquaredSigmas(const Eigen::VectorXd& error, const Eigen::MatrixXd& covari
 Eigen::Matrix<double, 6, 1> CameraError(const AxisCalibration& found, const SimulatedTable& table) {
   const Eigen::AngleAxisd turn(found.X_WC.rotation * table.geometry.X_WC.rotation.transpose());
   Eigen::Matrix<double, 6, 1> error;
-  error << turn.angle() * turn.axis(),
-      found.X_WC.translation - table.geometry.X_WC.translation;
+  error << turn.angle() * turn.axis(), found.X_WC.translation - table.geometry.X_WC.translation;
   return error;
 }
 
