@@ -83,7 +83,11 @@ std::string NameOf(const std::optional<StrictObject>& section) {
 Result<DeviceConfig> ReadDeviceConfig(const fs::path& path) {
   const auto text = ReadFile(path, kMaxConfigBytes);
   if (!text) return Forward(text);
-  auto parsed = ParseYaml(*text, path.string());
+  return ParseDeviceConfig(*text, path);
+}
+
+Result<DeviceConfig> ParseDeviceConfig(const std::string& text, const fs::path& path) {
+  auto parsed = ParseYaml(text, path.string());
   if (!parsed) return Forward(parsed);
   DeviceConfig config;
   config.file = path.string();

@@ -38,6 +38,8 @@ struct DeviceConfig {
 
 // Fails (kInput) with file, line, key and what is allowed.
 Result<DeviceConfig> ReadDeviceConfig(const std::filesystem::path& path);
+// The text of a config; path is for messages and for the files that it names.
+Result<DeviceConfig> ParseDeviceConfig(const std::string& text, const std::filesystem::path& path);
 
 // The devices that the config names, made and not open.
 struct Devices {

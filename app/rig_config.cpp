@@ -145,6 +145,10 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
 
 }  // namespace
 
+Result<rig::RigTarget> ReadRigTarget(StrictObject target, const fs::path& folder) {
+  return ReadTarget(std::move(target), folder);
+}
+
 Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig, const fs::path& folder) {
   const nlohmann::json& value = rig.Raw("calibration");
   if (value.is_null()) return CalibrationOfRig();

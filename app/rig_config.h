@@ -33,6 +33,9 @@ struct CalibrationOfRig {
 Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig,
                                                const std::filesystem::path& folder);
 
+// The section's target; its mesh is relative to folder. Fails (kInput).
+Result<rig::RigTarget> ReadRigTarget(StrictObject target, const std::filesystem::path& folder);
+
 // The bytes of the files that the section names; empty if it names none.
 struct RigFiles {
   std::string calibration, mesh;

@@ -9,6 +9,7 @@
 #include "base/format.h"
 #include "base/sha256.h"
 #include "rig/covariance_fields.h"
+#include "rig/noise_fields.h"
 #include "rig/session/session_fields.h"
 
 namespace turnlight::rig {
@@ -85,25 +86,11 @@ struct PartReader {
   }
 };
 
-// What merges exposures, and what weighs the pixels of sessions.
-Status ReadNoise(StrictObject object, RigCalibration& calibration) {
-  SensorNoise& noise = calibration.noise;
-  noise.read_noise_dn = object.Number("read_noise_dn", {.min = 0.0});
-  noise.dn_per_electron = object.Number("dn_per_electron", {.min = 0.0});
-  noise.black_limit_dn = object.OptionalNumber("black_limit_dn");
-  const auto gain_db = object.OptionalNumber("gain_db");
-  calibration.covariances.noise = ReadCovariance(object, 2);
-  if (noise.read_noise_dn > 0.0 || noise.dn_per_electron > 0.0)
-    calibration.radiometry.noise =
-        calib::NoiseModel{noise.read_noise_dn, noise.dn_per_electron, gain_db};
-  return object.Finish();
-}
-
 Status ReadRadiometryObject(StrictObject object, RigCalibration& calibration) {
   if (Status status = ReadRadiometry(object, calibration.radiometry); !status) return status;
   ReadUnit(object, "DN");
   if (const auto noise = object.OptionalObject("noise"))
-    if (Status status = ReadNoise(*noise, calibration); !status) return status;
+    if (Status status = ReadSensorNoise(*noise, calibration); !status) return status;
   calibration.covariances.radiometry = ReadCovariance(object, 2);
   return object.Finish();
 }
@@ -217,22 +204,6 @@ ordered_json PrintPart(const RigCalibration& calibration, const std::string& key
   AddCovariance(object, covariance);
   const auto with = calibration.found_with.find(key);
   if (with != calibration.found_with.end()) object["with"] = with->second;
-  return object;
-}
-
-// None if nobody told of the noise: what is not known is not written as if it were.
-std::optional<ordered_json> PrintSensorNoise(const RigCalibration& calibration) {
-  const SensorNoise& noise = calibration.noise;
-  const std::optional<calib::NoiseModel>& known = calibration.radiometry.noise;
-  const SensorNoise assumed;
-  if (!known && !noise.black_limit_dn && noise.read_noise_dn == assumed.read_noise_dn &&
-      noise.dn_per_electron == assumed.dn_per_electron)
-    return std::nullopt;
-  ordered_json object{{"read_noise_dn", noise.read_noise_dn},
-                      {"dn_per_electron", noise.dn_per_electron}};
-  if (known && known->gain_db) object["gain_db"] = *known->gain_db;
-  if (noise.black_limit_dn) object["black_limit_dn"] = *noise.black_limit_dn;
-  AddCovariance(object, calibration.covariances.noise);
   return object;
 }
 

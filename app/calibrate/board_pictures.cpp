@@ -89,8 +89,7 @@ Result<BoardPictures> FindBoardsInPictures(const std::vector<std::string>& argum
   BoardPictures result;
   for (std::size_t i = 0; i < count; ++i) {
     const cv::Size size = sizes[i].empty() ? common.size : sizes[i];
-    calib::calibrate::lens::PictureViews views{
-        (*sources)[i].name, size.width, size.height, {}, ""};
+    calib::calibrate::lens::PictureViews views{(*sources)[i].name, size.width, size.height, {}, ""};
     if (found[i]) {
       for (const boards::DetectedBoard& one : found[i]->boards) {
         views.boards.push_back(one.view);
@@ -98,16 +97,15 @@ Result<BoardPictures> FindBoardsInPictures(const std::vector<std::string>& argum
       }
       const bool none = found[i]->boards.empty();
       if (none)
-        views.why_none = "no board found" + (found[i]->remarks.empty()
-                                                 ? std::string()
-                                                 : ": " + Joined(found[i]->remarks));
+        views.why_none =
+            "no board found" +
+            (found[i]->remarks.empty() ? std::string() : ": " + Joined(found[i]->remarks));
       else
         remarks[i].insert(remarks[i].end(), found[i]->remarks.begin(), found[i]->remarks.end());
     } else {
       views.why_none = found[i].error().text;
     }
-    if (!remarks[i].empty())
-      result.remarks.push_back(views.picture + ": " + Joined(remarks[i]));
+    if (!remarks[i].empty()) result.remarks.push_back(views.picture + ": " + Joined(remarks[i]));
     result.views.push_back(std::move(views));
   }
   return result;

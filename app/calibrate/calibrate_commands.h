@@ -13,6 +13,8 @@ void AddCalibrateAxis(CLI::App& calibrate, Action& action);
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
 void AddCalibrateIntrinsics(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
+void AddCalibrateRig(CLI::App& calibrate, Action& action);
 void AddCalibrateTarget(CLI::App& calibrate, Action& action);
+void AddCalibrateLights(CLI::App& calibrate, Action& action);
 
 }  // namespace turnlight::app

@@ -11,7 +11,9 @@ void AddCalibrate(CLI::App& program, Action& action) {
   AddCalibrateCapture(*calibrate, action);
   AddCalibrateIntrinsics(*calibrate, action);
   AddCalibrateResponse(*calibrate, action);
+  AddCalibrateRig(*calibrate, action);
   AddCalibrateTarget(*calibrate, action);
+  AddCalibrateLights(*calibrate, action);
 }
 
 }  // namespace turnlight::app

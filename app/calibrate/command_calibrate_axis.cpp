@@ -99,6 +99,7 @@ void PutAxis(const axis::AxisCalibration& axis, const CalibratedLens& lens,
   calibration.geometry.X_WC = axis.X_WC;
   calibration.geometry.angle_scale = axis.angle_scale;
   calibration.target_placed = false;
+  rig::MarkFound(calibration, {"X_WC", "X_WA", "angle_scale", "angle_offset"});
   rig::CalibrationCovariances& known = calibration.covariances;
   known.X_WC = axis.covariance.topLeftCorner(6, 6);
   known.X_WA = Eigen::MatrixXd::Zero(6, 6);  // by choice of W

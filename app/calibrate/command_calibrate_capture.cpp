@@ -61,23 +61,9 @@ std::string CheckKind(const std::string& word) {
   return good ? "" : "\"" + word + "\" is no word of letters, digits, - and _";
 }
 
-}  // namespace
-
-void AddCalibrateCapture(CLI::App& calibrate, Action& action) {
-  CLI::App* command = AddCommand(
-      calibrate, "capture",
-      "Take raw pictures for a calibration, with a rig of which nothing is known yet: the config "
-      "needs no more than rig: {table, camera}, and a section capture for the angles. Says first "
-      "what will move, and homes first if the position is unknown. Ctrl-C halts the motor; the "
-      "same command goes on with what is missing. Several kinds may share a folder",
-      "turnlight calibrate capture my_rig.yaml --out board\n"
-      "  turnlight calibrate capture my_rig.yaml --out response --kind flat --no-move "
-      "--exposures 1000,2000,4000 --pairs 2");
-  auto arguments = std::make_shared<CaptureArguments>();
+// What is taken.
+void AddOrder(CLI::App* command, const std::shared_ptr<CaptureArguments>& arguments) {
   RawOrder& order = arguments->order;
-  command->add_option("CONFIG", arguments->config, "A config with rig: {table, camera}")
-      ->required();
-  AddOut(*command, arguments->out, "Folder for capture.json and the pictures");
   command
       ->add_option(
           "--kind", order.kind,
@@ -112,6 +98,25 @@ void AddCalibrateCapture(CLI::App& calibrate, Action& action) {
       ->check(CLI::Range(1, 10000));
   command->add_flag("--ask", order.ask,
                     "With --no-move: wait for Enter before each, for a board held by hand");
+}
+
+}  // namespace
+
+void AddCalibrateCapture(CLI::App& calibrate, Action& action) {
+  CLI::App* command = AddCommand(
+      calibrate, "capture",
+      "Take raw pictures for a calibration, with a rig of which nothing is known yet: the config "
+      "needs no more than rig: {table, camera}, and a section capture for the angles. Says first "
+      "what will move, and homes first if the position is unknown. Ctrl-C halts the motor; the "
+      "same command goes on with what is missing. Several kinds may share a folder",
+      "turnlight calibrate capture my_rig.yaml --out board\n"
+      "  turnlight calibrate capture my_rig.yaml --out response --kind flat --no-move "
+      "--exposures 1000,2000,4000 --pairs 2");
+  auto arguments = std::make_shared<CaptureArguments>();
+  command->add_option("CONFIG", arguments->config, "A config with rig: {table, camera}")
+      ->required();
+  AddOut(*command, arguments->out, "Folder for capture.json and the pictures");
+  AddOrder(command, arguments);
   command->callback(
       [arguments, &action] { action = [arguments] { return CaptureForCalibration(*arguments); }; });
 }

@@ -39,7 +39,8 @@ struct IntrinsicsArguments {
 // mrcal reads it, and its tools but those that need what the fit was made of.
 std::string ModelFile(const lens::LensCalibration& calibration) {
   return "# Calibrated by turnlight; its uncertainty is in intrinsics.json. It has no\n"
-         "# optimization_inputs: mrcal's tools that need them need a calibration by mrcal's own.\n" +
+         "# optimization_inputs: mrcal's tools that need them need a calibration by mrcal's "
+         "own.\n" +
          calibration.camera().ToString();
 }
 
@@ -53,9 +54,9 @@ Status WriteAll(const board::Board& board, const std::vector<lens::PictureViews>
        lens::ReportPictures(views, calibration, assessment, "mm"))
     if (status) status = rig::WriteImage(out / picture.name, picture.page);
   if (status)
-    status = WriteFileAtomic(
-        out / "intrinsics.json",
-        lens::IntrinsicsJson(board, views, calibration, assessment, model, "mm"));
+    status =
+        WriteFileAtomic(out / "intrinsics.json",
+                        lens::IntrinsicsJson(board, views, calibration, assessment, model, "mm"));
   return status;
 }
 
@@ -85,8 +86,7 @@ int CalibrateIntrinsics(const IntrinsicsArguments& arguments) {
   options.fits_warp = options.fits_shape = !arguments.flat;
   const fs::path out = arguments.out;
   for (const std::string& picture : arguments.pictures)
-    if (const Status status = CheckOutputFolder(out, picture); !status)
-      return Fail(status.error());
+    if (const Status status = CheckOutputFolder(out, picture); !status) return Fail(status.error());
   const auto seen = FindBoardsInPictures(arguments.pictures, *board);
   if (!seen) return Fail(seen.error());
   std::optional<lens::LensAssessment> assessment;
@@ -97,8 +97,7 @@ int CalibrateIntrinsics(const IntrinsicsArguments& arguments) {
     if (!found) return found;
     found->notes.insert(found->notes.end(), seen->remarks.begin(), seen->remarks.end());
     options.progress = [&line](const std::string& stage) { line.Show("two halves: " + stage); };
-    assessment =
-        lens::AssessLens(*board, seen->views, *found, options, arguments.distance_mm);
+    assessment = lens::AssessLens(*board, seen->views, *found, options, arguments.distance_mm);
     return found;
   }();
   if (!calibration) return Fail(calibration.error());
@@ -138,9 +137,10 @@ void AddCalibrateIntrinsics(CLI::App& calibrate, Action& action) {
           "The uncertainty at this distance as well as at infinity")
       ->type_name("MM")
       ->check(CLI::Range(1e-3, 1e9));
-  command->add_flag("--flat", arguments->flat,
-                    "Take the board for flat; else how it bends is fitted as well, and where that is not "
-                    "enough the place of each of its points");
+  command->add_flag(
+      "--flat", arguments->flat,
+      "Take the board for flat; else how it bends is fitted as well, and where that is not "
+      "enough the place of each of its points");
   AddOut(*command, arguments->out, "Folder for camera.cameramodel, intrinsics.json and pictures");
   command->callback(
       [arguments, &action] { action = [arguments] { return CalibrateIntrinsics(*arguments); }; });

@@ -305,6 +305,18 @@ Status TakeMissing(RawRun& run, RawTaken& done) {
 
 }  // namespace
 
+std::optional<rig::RawCapture> WholeCapture(const rig::CapturePlan& plan, const RawOrder& order,
+                                            const fs::path& out) {
+  auto capture = rig::ReadRawCapture(out);
+  if (!capture) return std::nullopt;
+  for (const char* extension : {".png", ".tif"}) {
+    const auto kept = KeptFrames(*capture, PlanPictures(plan, order, extension));
+    if (kept && std::count(kept->begin(), kept->end(), std::nullopt) == 0)
+      return std::move(*capture);
+  }
+  return std::nullopt;
+}
+
 Result<RawTaken> TakeRawCapture(const DeviceConfig& config, const RawOrder& order,
                                 const fs::path& out, const Drivers& drivers, const RawTaking& how) {
   auto devices = MakeDevices(config, {.table = order.move, .camera = true}, drivers);

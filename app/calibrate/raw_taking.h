@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "app/calibrate/raw_plan.h"
@@ -24,6 +25,11 @@ struct RawTaken {
   std::size_t kept = 0;     // that were there and good
   double full_share = 0.0;  // of the values of the first picture taken now that read full
 };
+
+// The capture of a folder, if it has all of the order's pictures, whole: then there is nothing to
+// take, and no device is needed.
+std::optional<rig::RawCapture> WholeCapture(const rig::CapturePlan& plan, const RawOrder& order,
+                                            const std::filesystem::path& out);
 
 // Takes the order's pictures into a folder, going on with what is there: opens the devices, homes
 // the table where its position is unknown, turns, proves each arrival and picture, and writes

@@ -100,6 +100,8 @@ Status ReadShutter(StrictObject object, MockCameraConfig& config) {
   ReadField(object, "trigger_latency_ms", config.trigger_latency_ms);
   ReadField(object, "blur_threshold_deg", config.blur_threshold_deg);
   ReadField(object, "blur_samples", config.blur_samples);
+  if (const auto seed = object.OptionalInteger("noise_seed", 0, std::int64_t{1} << 53))
+    config.noise_seed = static_cast<std::uint64_t>(*seed);
   return Settle(object, config);
 }
 

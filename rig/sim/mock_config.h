@@ -4,6 +4,7 @@
 // (rig/sim/simulation.h).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -50,13 +51,14 @@ struct MockCameraConfig {
   bool reports_trigger = false;  // whether frames say which trigger they answer
 
   // Of the world.
-  SyntheticConfig scene;                  // without masks and clip_share
-  TrueGeometry geometry;                  // of a table; of an orbit as by default
-  std::optional<Prop> prop;               // stands there instead of the scene's target
-  double reference_exposure_us = 8000.0;  // 10..1e7
-  double trigger_latency_ms = 0.2;        // 0..1000
-  double blur_threshold_deg = 1e-4;       // 0..10
-  int blur_samples = 8;                   // 2..64
+  SyntheticConfig scene;                    // without masks and clip_share
+  TrueGeometry geometry;                    // of a table; of an orbit as by default
+  std::optional<Prop> prop;                 // stands there instead of the scene's target
+  double reference_exposure_us = 8000.0;    // 10..1e7
+  double trigger_latency_ms = 0.2;          // 0..1000
+  double blur_threshold_deg = 1e-4;         // 0..10
+  int blur_samples = 8;                     // 2..64
+  std::optional<std::uint64_t> noise_seed;  // of the pictures' noise; the scene's seed if not given
 };
 
 std::optional<ConfigProblem> Validate(const MockTurntableConfig& config);
@@ -75,7 +77,8 @@ Status ReadTableDevice(StrictObject object, MockTurntableConfig& config);
 void ReadTableKeys(StrictObject& object, MockTurntableConfig& config);
 Status ReadTableWorld(StrictObject object, MockTurntableConfig& config);
 // Of the device: serial, readout_ms, first_frame_id, reports_trigger; of the world, where the scene
-// is not read: reference_exposure_us, trigger_latency_ms, blur_threshold_deg, blur_samples.
+// is not read: reference_exposure_us, trigger_latency_ms, blur_threshold_deg, blur_samples,
+// noise_seed.
 Status ReadCameraDevice(StrictObject object, MockCameraConfig& config);
 Status ReadShutter(StrictObject object, MockCameraConfig& config);
 

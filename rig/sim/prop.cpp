@@ -66,6 +66,26 @@ Result<Prop> ReadHandheld(StrictObject& object, board::Board read) {
   return prop;
 }
 
+Result<Prop> ReadBall(StrictObject& object) {
+  BallOnTable prop;
+  const auto number = [&object](const char* key, Range range, double& value) {
+    value = object.OptionalNumber(key, range).value_or(value);
+  };
+  number("radius", Above0(1e6), prop.radius);
+  number("reflectance", {.min = 0.0, .max = 1.0}, prop.reflectance);
+  number("diffuse", {.min = 0.0, .max = 1.0}, prop.diffuse);
+  number("lamp_radius_deg", {.min = 0.05, .max = 45.0}, prop.lamp_radius_deg);
+  number("lamp_radiance", {.min = 0.0, .max = 1e4}, prop.lamp_radiance);
+  number("ceiling", kRadiance, prop.ceiling);
+  number("floor", kRadiance, prop.floor);
+  number("background", kRadiance, prop.background);
+  number("blur_px", {.min = 0.0, .max = 50.0}, prop.blur_px);
+  if (const auto list = object.OptionalNumbers("offset", 3, kLength))
+    prop.offset = {(*list)[0], (*list)[1], (*list)[2]};
+  if (const Status status = object.Finish(); !status) return Forward(status);
+  return prop;
+}
+
 Result<Prop> ReadField(StrictObject& object, double radiance) {
   const double level = object.OptionalNumber("radiance", kRadiance).value_or(radiance);
   EvenField field{Eigen::Vector3d::Constant(level)};
@@ -121,9 +141,10 @@ Result<board::Board> ReadBoard(StrictObject object) {
 }
 
 Result<Prop> ReadProp(StrictObject object) {
-  const std::string kind =
-      object.Choice("kind", {"board", "handheld", "flat", "grey", "dark", "empty", "lamp-off"});
+  const std::string kind = object.Choice(
+      "kind", {"board", "handheld", "ball", "flat", "grey", "dark", "empty", "lamp-off"});
   if (!object.ok()) return Forward(object.Finish());
+  if (kind == "ball") return ReadBall(object);
   if (kind == "flat") return ReadField(object, 0.8);
   if (kind == "grey") return ReadField(object, 0.5);
   if (kind == "board" || kind == "handheld") {

@@ -3,11 +3,11 @@
 //
 //   {kind: board, board: {...}, ...}     a board that lies on the table and turns with it
 //   {kind: handheld, board: {...}, ...}  a board held by hand, in another pose in each picture
-//   {kind: flat, radiance: 0.8}          a field that is evenly lit
-//   {kind: grey, radiance: 0.5, colour: [1, 1, 1]}   a grey card over the field, in coloured light
-//   {kind: dark}                         the lens is covered
-//   {kind: empty}                        the table without the target
-//   {kind: lamp-off}                     the target, its lamps off
+//   {kind: ball, radius: 25, offset: [0, 0, 25], ...}   a mirror ball on the table, among the
+//   lights {kind: flat, radiance: 0.8}          a field that is evenly lit {kind: grey, radiance:
+//   0.5, colour: [1, 1, 1]}   a grey card over the field, in coloured light {kind: dark} the lens
+//   is covered {kind: empty}                        the table without the target {kind: lamp-off}
+//   the target, its lamps off
 //
 // Radiance 1 is the sensor's white at the reference exposure; the lens's vignetting and the
 // sensor's noise and encoding come on top. With a prop, pictures at one angle with the same
@@ -57,12 +57,25 @@ struct HandheldBoard {
   double roll_max_deg = 20.0;                    // 0..180
 };
 
+// The scene's lights are glowing balls in it, the strongest of them of radiance lamp_radiance. Keys
+// as the members, all optional.
+struct BallOnTable {
+  double radius = 25.0;                                   // length unit, above 0
+  Eigen::Vector3d offset = {0.0, 0.0, 25.0};              // of its middle in the axis frame A
+  double reflectance = 0.9;                               // of the mirror, 0..1
+  double diffuse = 0.0;                                   // of a glossy ball, 0..1
+  double lamp_radius_deg = 1.0;                           // seen from W's origin, 0.05..45
+  double lamp_radiance = 20.0;                            // 0..1e4
+  double ceiling = 0.05, floor = 0.02, background = 0.2;  // radiance of the room, 0..100
+  double blur_px = 0.5;                                   // Gaussian, of the optics, 0..50
+};
+
 struct EvenField {
   Eigen::Vector3d radiance = Eigen::Vector3d::Zero();
 };
 struct LampOff {};
 
-using Prop = std::variant<TableBoard, HandheldBoard, EvenField, LampOff>;
+using Prop = std::variant<TableBoard, HandheldBoard, BallOnTable, EvenField, LampOff>;
 
 Result<Prop> ReadProp(StrictObject object);
 

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "base/angles.h"
 #include "base/parallel.h"
+#include "rig/sim/mirror_ball.h"
 #include "rig/sim/random_scene.h"
 
 namespace turnlight::rig::sim {
@@ -67,7 +69,27 @@ void Shade(const Studio& studio, cv::Mat3f& radiance) {
     radiance(i) *= studio.shading(i);
 }
 
-// Of a board or a field.
+cv::Mat3f RenderBall(const Studio& studio, const BallOnTable& prop, const calib::Pose& X_WC,
+                     const calib::Pose& X_WA) {
+  MirrorRoom room;
+  double strongest = 0.0;
+  for (const estimator::model::Light& light : studio.scene.lights)
+    strongest = std::max(strongest, light.intensity);
+  for (const estimator::model::Light& light : studio.scene.lights)
+    room.lamps.push_back({light.direction, light.inverse_distance, DegToRad(prop.lamp_radius_deg),
+                          prop.lamp_radiance * light.intensity / strongest});
+  room.ceiling = prop.ceiling;
+  room.floor = prop.floor;
+  room.background = prop.background;
+  const cv::Mat1f grey =
+      RenderMirrorBall({X_WA * prop.offset, prop.radius, prop.reflectance, prop.diffuse}, room,
+                       studio.rays, X_WC, prop.blur_px);
+  cv::Mat3f picture;
+  cv::merge(std::vector<cv::Mat>(3, grey), picture);
+  return picture;
+}
+
+// Of what is no target.
 cv::Mat3f RenderProp(const Studio& studio, const calib::RigPoses& poses, double angle_deg,
                      std::uint64_t picture) {
   if (const auto* held = std::get_if<HandheldBoard>(&*studio.prop))
@@ -78,6 +100,8 @@ cv::Mat3f RenderProp(const Studio& studio, const calib::RigPoses& poses, double 
     return RenderBoard(board->board, board->look, poses.X_WC.Inverse() * X_WA * PoseOf(*board),
                        studio.camera);
   }
+  if (const auto* ball = std::get_if<BallOnTable>(&*studio.prop))
+    return RenderBall(studio, *ball, poses.X_WC, AxisAt(studio.rig, angle_deg));
   const Eigen::Vector3f level = std::get<EvenField>(*studio.prop).radiance.cast<float>();
   return cv::Mat3f(studio.camera.height(), studio.camera.width(),
                    cv::Vec3f(level.x(), level.y(), level.z()));

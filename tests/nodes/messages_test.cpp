@@ -58,6 +58,8 @@ TEST(Messages, ComeBackAsTheyWere) {
   keyframe.linear.saturated = cv::Mat1b(3, 4, std::uint8_t{255});
   keyframe.X_WT.translation = {1.0, 2.0, 3.0};
   ExpectSameBytesAgain(keyframe);
+  keyframe.linear.variance = cv::Mat1f(3, 4, 0.01f);
+  ExpectSameBytesAgain(keyframe);
   ExpectSameBytesAgain(Pace{1.0, 2.0, 3.0, 4.0, 5.0});
   ExpectSameBytesAgain(Estimate{3, 12, {LightNow{}, LightNow{}}, 0.01});
   ExpectSameBytesAgain(MoveGoal{{358.0, 360.0}, rig::DeviceTime(7)});

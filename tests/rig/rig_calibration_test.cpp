@@ -59,6 +59,8 @@ RigCalibration Example() {
   known.angle_scale = Covariance(1);
   known.angle_offset = Covariance(1);
   known.radiometry = Covariance(2);
+  known.noise = Covariance(2);
+  calibration.radiometry.noise = calib::NoiseModel{3.3, 0.7, 0.1};
   Eigen::MatrixXd joint = Covariance(7);
   known.X_WC = joint.topLeftCorner(6, 6);
   known.angle_scale = joint.bottomRightCorner(1, 1);
@@ -85,9 +87,13 @@ std::string Bits(const RigCalibration& calibration) {
   add(calibration.noise.read_noise_dn);
   add(calibration.noise.dn_per_electron);
   add(*calibration.noise.black_limit_dn);
+  add(radiometry.noise->read_noise_dn);
+  add(radiometry.noise->dn_per_electron);
+  add(*radiometry.noise->gain_db);
   const CalibrationCovariances& known = calibration.covariances;
-  for (const auto& matrix : {known.camera_model, known.X_WC, known.X_WA, known.X_AT,
-                             known.angle_scale, known.angle_offset, known.radiometry}) {
+  for (const auto& matrix :
+       {known.camera_model, known.X_WC, known.X_WA, known.X_AT, known.angle_scale,
+        known.angle_offset, known.radiometry, known.noise}) {
     bits += matrix ? "covariance" : "none";
     for (Eigen::Index i = 0; matrix && i < matrix->size(); ++i) add(matrix->data()[i]);
   }
@@ -166,6 +172,9 @@ TEST_F(RigCalibrationTest, WhatIsOptionalMayBeMissing) {
   EXPECT_FALSE(read->covariances.X_WC);
   EXPECT_EQ(read->devices.binning, (std::array{1, 1}));
   EXPECT_EQ(read->noise.read_noise_dn, SensorNoise{}.read_noise_dn);
+  EXPECT_FALSE(read->radiometry.noise) << "what nobody measured weighs no pixels";
+  ASSERT_TRUE(WriteRigCalibration(*read, path_));
+  EXPECT_FALSE(json::parse(*ReadFile(path_))["radiometry"].contains("noise"));
 }
 
 TEST_F(RigCalibrationTest, TheTargetMayHaveNoPlaceYet) {

@@ -14,10 +14,11 @@ namespace {
 
 // Beyond these an axis is of no use.
 constexpr double kWorstDirectionDeg = 1.0;
-constexpr double kWorstOffset = 0.01;  // of the camera's distance
-constexpr double kWorstTurnDeg = 5.0;  // a turn, by the scale
-constexpr double kSingular = 1e-13;    // smallest eigenvalue, the diagonal being 1
-constexpr double kWholeTurnDeg = 1.0;  // how near to whole turns views are that are compared
+constexpr double kWorstOffset = 0.01;     // of the camera's distance
+constexpr double kWorstTurnDeg = 5.0;     // a turn, by the scale
+constexpr double kWorstCornersPx = 10.0;  // no detector and no lens is so bad
+constexpr double kSingular = 1e-13;       // smallest eigenvalue, the diagonal being 1
+constexpr double kWholeTurnDeg = 1.0;     // how near to whole turns views are that are compared
 constexpr double kSmallArcDeg = 90.0;
 
 using Covariance = Eigen::Matrix<double, kParameters, kParameters>;
@@ -210,6 +211,14 @@ std::string Reasons(const AxisCalibration& result, double distance) {
 Status CheckDetermined(const AxisCalibration& result) {
   const double distance = result.origin_C.norm();
   const double turn_sigma_deg = 360.0 * result.scale_sigma;
+  if (result.corner_sigma_px > kWorstCornersPx)
+    return NoEstimateError(
+        "the views do not show one board that turns about one axis by the angles that the table "
+        "reports: at best the corners are " +
+        NumberText(result.corner_sigma_px, 2) + " px off, allowed are " +
+        NumberText(kWorstCornersPx) +
+        ". Did the board or the camera move, are the pictures in the order of their angles, is it "
+        "this board and this lens?");
   if (result.direction_sigma_deg <= kWorstDirectionDeg &&
       result.offset_sigma <= kWorstOffset * distance && turn_sigma_deg <= kWorstTurnDeg)
     return {};

@@ -8,14 +8,14 @@
 namespace turnlight::calib::calibrate::lens {
 namespace {
 
-constexpr std::size_t kLeastViews = 8, kLeastSeen = 5;
+constexpr std::size_t kLeastShapeViews = 8, kLeastSeen = 5;
 constexpr int kMaxSteps = 30, kOutlierRounds = 3;
 constexpr double kEnough = 1e-7;  // relative descent of the cost
 // In standard deviations of the noise per axis: mrcal's own lie near 4 and 5.
 constexpr double kOutlier = 5.0, kInlier = 3.5;
 
 bool SeenOftenEnough(const Problem& problem) {
-  if (problem.poses.size() < kLeastViews ||
+  if (problem.poses.size() < kLeastShapeViews ||
       problem.grid.cells.size() != problem.points_per_view())
     return false;
   for (const int cell : problem.grid.cells) {

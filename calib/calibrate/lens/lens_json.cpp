@@ -96,6 +96,14 @@ Json Uncertainty(const LensAssessment& assessment, const std::string& length_uni
   return uncertainty;
 }
 
+Json Shape(const std::vector<Eigen::Vector3d>& shape) {
+  if (shape.empty()) return nullptr;
+  Json points = Json::array();
+  for (const Eigen::Vector3d& offset : shape)
+    points.push_back(std::vector<double>{offset.x(), offset.y(), offset.z()});
+  return points;
+}
+
 Json Halves(const Result<CrossValidation>& halves) {
   if (!halves) return {{"reason", halves.error().text}};
   return {{"rms_px", halves->rms_px},
@@ -135,12 +143,7 @@ std::string IntrinsicsJson(const board::Board& board, const std::vector<PictureV
                         {"along_rows", calibration.warp.x()},
                         {"along_columns", calibration.warp.y()},
                         {"unit", length_unit}};
-  json["board_shape"] = nullptr;
-  if (!calibration.shape.empty()) {
-    json["board_shape"] = Json::array();
-    for (const Eigen::Vector3d& offset : calibration.shape)
-      json["board_shape"].push_back({offset.x(), offset.y(), offset.z()});
-  }
+  json["board_shape"] = Shape(calibration.shape);
   json["intrinsics"] = {
       {"value", camera.intrinsics()},
       {"covariance", small ? MatrixRows(covariance.topLeftCorner(count, count)) : Json(nullptr)}};

@@ -276,6 +276,18 @@ void AppendShape(const Problem& problem, Linearization& linear) {
   linear.shape_index = static_cast<int>(states);
 }
 
+// Where mrcal's state has what.
+void FindStates(const Problem& problem, const mrcal_problem_selections_t& selections,
+                Linearization& result) {
+  const int views = static_cast<int>(problem.poses.size());
+  const mrcal_lensmodel_t* model = &problem.model;
+  result.intrinsics_index =
+      mrcal_state_index_intrinsics(0, 1, 0, views, 0, 0, views, selections, model);
+  result.intrinsics_count = mrcal_num_states_intrinsics(1, selections, model);
+  result.poses_index = mrcal_state_index_frames(0, 1, 0, views, 0, 0, views, selections, model);
+  result.warp_index = mrcal_state_index_calobject_warp(1, 0, views, 0, 0, views, selections, model);
+}
+
 }  // namespace
 
 Linearization Linearize(const Problem& problem, const Pass& pass) {
@@ -321,11 +333,7 @@ Linearization Linearize(const Problem& problem, const Pass& pass) {
   result.observation_rows = mrcal_num_measurements_boards(views, columns, rows);
   result.scales = Eigen::VectorXd::Ones(states);
   mrcal_unpack_solver_state_vector(result.scales.data(), 1, 0, views, 0, 0, selections, model);
-  result.intrinsics_index =
-      mrcal_state_index_intrinsics(0, 1, 0, views, 0, 0, views, selections, model);
-  result.intrinsics_count = mrcal_num_states_intrinsics(1, selections, model);
-  result.poses_index = mrcal_state_index_frames(0, 1, 0, views, 0, 0, views, selections, model);
-  result.warp_index = mrcal_state_index_calobject_warp(1, 0, views, 0, 0, views, selections, model);
+  FindStates(problem, selections, result);
   if (!problem.shape.empty()) AppendShape(problem, result);
   return result;
 }

@@ -342,30 +342,41 @@ std::vector<ViewFit> ViewFits(const Fit& fit, const Shifts& shifts) {
   return views;
 }
 
-}  // namespace
-
-FitCovariance CovarianceOf(const Problem& problem, const Fit& fit) {
+// What shifts of pictures do to the gradient: each view's own, of the given variance, and one that
+// all share.
+MatrixXd GradientOfShifts(const Problem& problem, const Fit& fit, double variance) {
   const std::vector<calib::Pose> X_CA = TablePoses(problem);
-  const std::vector<int> free = FreeParameters(problem);
   const double noise = fit.scale * fit.scale * fit.correlation;
-  Normal normal{InformationOf(problem, fit)};
-  AddPrior(problem, fit.state, normal);
-  const MatrixXd inverse = Widened(Restricted(normal.information, free).inverse(), free);
-  const Shifts shifts = ShiftsOf(fit, problem.views.size());
-  const double variance = ShiftVariance(fit, shifts, free.size());
-  std::vector<Eigen::Matrix<double, kParameters, 2>> by_shift(
-      problem.views.size(), Eigen::Matrix<double, kParameters, 2>::Zero());
+  using Sum = Eigen::Matrix<double, kParameters, 2>;
+  std::vector<Sum> by_shift(problem.views.size(), Sum::Zero());
   for (std::size_t i = 0; i < fit.residuals.size(); ++i) {
     if (!fit.used[i]) continue;
     const Residual& r = fit.residuals[i];
     by_shift[r.view] += ParameterRow(r, fit.state, X_CA[r.view]).transpose() *
                         r.normal.transpose() / (noise * r.sigma * r.sigma);
   }
-  MatrixXd from_shifts = MatrixXd::Zero(kParameters, kParameters);
-  for (const auto& matrix : by_shift) from_shifts += variance * matrix * matrix.transpose();
-  FitCovariance covariance;
-  covariance.from_outlines = inverse + inverse * from_shifts * inverse;
+  MatrixXd sum = MatrixXd::Zero(kParameters, kParameters);
+  Sum common = Sum::Zero();
+  for (const Sum& one : by_shift) {
+    sum += variance * one * one.transpose();
+    common += one;
+  }
+  const double shared = problem.common_shift_sigma * problem.common_shift_sigma;
+  return sum + shared * common * common.transpose();
+}
+
+}  // namespace
+
+FitCovariance CovarianceOf(const Problem& problem, const Fit& fit) {
+  const std::vector<int> free = FreeParameters(problem);
+  Normal normal{InformationOf(problem, fit)};
+  AddPrior(problem, fit.state, normal);
+  const MatrixXd inverse = Widened(Restricted(normal.information, free).inverse(), free);
+  const Shifts shifts = ShiftsOf(fit, problem.views.size());
+  const double variance = ShiftVariance(fit, shifts, free.size());
   const CalibrationShare share = ShareOfCalibration(problem, fit, inverse);
+  FitCovariance covariance;
+  covariance.from_outlines = inverse + inverse * GradientOfShifts(problem, fit, variance) * inverse;
   covariance.with_calibration = share.transfer * share.covariance;
   covariance.from_calibration = covariance.with_calibration * share.transfer.transpose();
   covariance.calibration = {share.of, share.covariance};

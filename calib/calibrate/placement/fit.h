@@ -15,6 +15,7 @@ struct Problem {
   Model model;
   std::array<bool, kParameters> free{};  // others are held
   double edge_offset_sigma = 0.0;        // pixels, of the prior
+  double common_shift_sigma = 0.0;       // pixels, of outlines
   double size = 1.0;                     // of the target, length unit: bounds a step
 };
 

@@ -73,7 +73,13 @@ struct Task {
 };
 
 Problem MakeProblem(const Task& task, const std::vector<View>& views) {
-  Problem problem{task.calibration, views, {}, {}, task.options.edge_offset_sigma, task.size};
+  Problem problem{task.calibration,
+                  views,
+                  {},
+                  {},
+                  task.options.edge_offset_sigma,
+                  task.outlines ? task.options.common_shift_sigma : 0.0,
+                  task.size};
   if (task.sphere())
     problem.model = SphereModel(task.calibration, views);
   else if (task.outlines)

@@ -7,6 +7,8 @@
 // normal prior, so that what only the apparent size tells, such as the distance in a single
 // picture, has a sigma that admits it.
 //
+// A shift that all outlines share and that no residual shows is allowed for in the covariance.
+//
 // Residuals are distances in pixels along the outline's normal, positive outside. Their size gives
 // the noise; how far they are correlated along the outline, and how much whole pictures are shifted
 // against each other, widens the covariance.
@@ -47,8 +49,11 @@ struct PickedPoint {
 
 struct PlacementOptions {
   double edge_offset_sigma = 0.2;  // pixels, of the prior; 0 holds the offset at 0
-  double picked_sigma = 1.0;       // pixels, of a picked point along each axis; positive
-  bool fit_radius = false;         // of a sphere; needs two angles that differ
+  // Pixels per axis: sigma of a shift that outlines have in all pictures alike, as the side away
+  // from the lamps is always the same one. Rendered spheres with one dark side have 0.015.
+  double common_shift_sigma = 0.03;
+  double picked_sigma = 1.0;  // pixels, of a picked point along each axis; positive
+  bool fit_radius = false;    // of a sphere; needs two angles that differ
   // A mesh without picked points: T's z axis is along A's, every angle about it is tried.
   bool upright = false;
 };
@@ -74,7 +79,7 @@ struct Placement {
   calib::Pose X_AT;
   // Of (w, d), R -> Exp(w) R, t -> t + d in A, as rig-calibration.json has it.
   Matrix6 covariance = Matrix6::Zero();        // the sum of the next two
-  Matrix6 from_outlines = Matrix6::Zero();     // noise, the edge offset, shifts of whole pictures
+  Matrix6 from_outlines = Matrix6::Zero();     // noise, edge offset, shifts
   Matrix6 from_calibration = Matrix6::Zero();  // camera, axis and angles, as far as they are known
   // The calibration's parts that have a covariance, and 6 x N between X_AT and them: a camera that
   // was taken to be too high makes a target too high.

@@ -222,6 +222,7 @@ std::vector<State> StartPicked(const rig::RigCalibration& calibration,
                         PickedModel(calibration, views, picked, 1.0),
                         {true, true, true, true, true, true, false, false},
                         0.0,
+                        0.0,
                         size};
   std::vector<std::pair<double, State>> refined;
   for (const State& start : BestOfGrid(lines, picked)) {

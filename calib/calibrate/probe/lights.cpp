@@ -159,10 +159,20 @@ void FillBrightness(const std::vector<std::vector<Spot>>& spots, ProbeLight& lig
   light.intensity_sigma = std::sqrt(sum / (count - 1.0) / count);
 }
 
+Vector3d MeanPoint(const std::vector<BallView>& views, const std::vector<std::vector<Spot>>& spots,
+                   const SpotGroup& group) {
+  Vector3d sum = Vector3d::Zero();
+  for (const SpotIndex& index : group)
+    if (const auto seen = MirrorAt(views[index.view], spots[index.view][index.spot].pixel))
+      sum += seen->point;
+  return sum / static_cast<double>(group.size());
+}
+
 std::optional<ProbeLight> MakeLight(const std::vector<BallView>& views,
                                     const std::vector<std::vector<Spot>>& spots,
                                     const std::vector<Perturbation>& perturbations,
-                                    const SpotGroup& group, const Vector3d& reference) {
+                                    const SpotGroup& group) {
+  const Vector3d reference = MeanPoint(views, spots, group);
   const std::vector<Sighting> sightings = SightingsOf(spots, group);
   const auto with_distance = FitWhole(views, perturbations, sightings, reference, true);
   const double radius = views[group.front().view].ball.radius;
@@ -176,6 +186,7 @@ std::optional<ProbeLight> MakeLight(const std::vector<BallView>& views,
   const AtOrigin at = ToOrigin(whole->fit, reference);
   light.direction = at.u;
   light.inverse_distance = light.near ? at.rho : 0.0;
+  light.reference = reference;
   light.direction_at_reference = whole->fit.u;
   const Eigen::Matrix<double, 3, 2> across = Across(whole->fit.u);
   light.reference_covariance = across * whole->total.topLeftCorner<2, 2>() * across.transpose();
@@ -245,10 +256,8 @@ ProbeLights FindLights(const std::vector<BallView>& views,
                        const std::vector<std::vector<Spot>>& spots,
                        const std::vector<Perturbation>& perturbations) {
   ProbeLights found;
-  for (const BallView& view : views)
-    found.reference += view.ball.center / static_cast<double>(views.size());
   for (const SpotGroup& group : GroupSpots(views, spots)) {
-    auto light = MakeLight(views, spots, perturbations, group, found.reference);
+    auto light = MakeLight(views, spots, perturbations, group);
     std::string why = WhyCandidate(views, spots, group, light);
     if (why.empty()) {
       found.lights.push_back(std::move(*light));

@@ -39,6 +39,9 @@ struct ProbeLight {
   bool near = false;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit, from W's origin
   double inverse_distance = 0.0;                         // from W's origin; 0: distant
+  // Where on the balls it was seen, in W: the mean of the points. There its direction is best
+  // known, and known whatever its distance.
+  Eigen::Vector3d reference = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction_at_reference = Eigen::Vector3d::UnitZ();
   Eigen::Matrix3d direction_covariance = Eigen::Matrix3d::Zero();  // of the unit vector, in W
   Eigen::Matrix3d reference_covariance = Eigen::Matrix3d::Zero();  // of direction_at_reference
@@ -62,8 +65,7 @@ struct ProbeCandidate {
 };
 
 struct ProbeLights {
-  Eigen::Vector3d reference = Eigen::Vector3d::Zero();  // mean of the balls' centres, in W
-  std::vector<ProbeLight> lights;                       // strongest first
+  std::vector<ProbeLight> lights;  // strongest first
   std::vector<ProbeCandidate> candidates;
 };
 

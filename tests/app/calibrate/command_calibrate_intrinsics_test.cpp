@@ -50,8 +50,8 @@ void WriteBoardPictures(const TemporaryFolder& folder) {
 }
 
 std::vector<std::string> Line(const std::string& pictures, const std::string& out) {
-  return {"calibrate", "intrinsics", pictures,   "--board", "8x6", "--square-mm", "20",
-          "--lens",    "OPENCV4",    "--out", out};
+  return {"calibrate", "intrinsics", pictures,  "--board", "8x6", "--square-mm",
+          "20",        "--lens",     "OPENCV4", "--out",   out};
 }
 
 TEST(CalibrateIntrinsics, FromPicturesToALens) {

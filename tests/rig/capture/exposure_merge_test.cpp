@@ -170,6 +170,7 @@ TEST(ExposureMerge, NeighboursOfClippedPixelsTakeAnotherExposure) {
 TEST(ExposureMerge, ReadersSeeWhatIsClippedInAllAsSaturated) {
   calib::Radiometry raw = Raw();
   raw.saturation = 4000.0;
+  raw.noise = calib::NoiseModel{3.0, 0.5, 0.0};
   const auto session = SessionRadiometry(raw, kExposures, 0.0);
   EXPECT_DOUBLE_EQ(session.SaturationDn(), 3900.0 / 4000.0 * 16.0);
   EXPECT_EQ(session.black, 0.0);
@@ -184,6 +185,8 @@ TEST(ExposureMerge, ReadersSeeWhatIsClippedInAllAsSaturated) {
   // One exposure: nothing changes but the references.
   const auto single = SessionRadiometry(raw, {500.0}, 3.0);
   EXPECT_EQ(single.SaturationDn(), 4000.0);
+  EXPECT_TRUE(single.noise);
+  EXPECT_FALSE(session.noise) << "the noise of a merged value is not a raw one's";
   EXPECT_EQ(single.reference_exposure_us, 8000.0);
   EXPECT_EQ(SessionRadiometry({}, {500.0}, 3.0).reference_exposure_us, 500.0);
   EXPECT_EQ(SessionRadiometry({}, {500.0}, 3.0).reference_gain_db, 3.0);

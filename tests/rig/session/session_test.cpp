@@ -97,6 +97,8 @@ Session FullSession() {
   session.radiometry.reference_exposure_us = 1.0 / 3.0;
   session.radiometry.reference_gain_db = -0.1;
   session.radiometry.white_balance = {1.1, 1.0, 1.0 / 1.7};
+  session.radiometry.vignetting = calib::Vignetting{7.1, 5.3, 100.0 / 3.0, {-0.1, 0.02 / 3.0}};
+  session.radiometry.noise = calib::NoiseModel{1.0 / 3.0, 0.1, 0.7};
   session.bayer = "GBRG";
   session.target = calib::PlaneShape{200.1, 150.3, 2};
   session.frames = {FullFrame(), FullFrame()};
@@ -112,6 +114,14 @@ void ExpectSame(const calib::Radiometry& read, const calib::Radiometry& written)
   EXPECT_EQ(read.reference_exposure_us, written.reference_exposure_us);
   EXPECT_EQ(read.reference_gain_db, written.reference_gain_db);
   EXPECT_EQ(read.white_balance, written.white_balance);
+  ASSERT_TRUE(read.vignetting && read.noise);
+  EXPECT_EQ(read.vignetting->center_x, written.vignetting->center_x);
+  EXPECT_EQ(read.vignetting->center_y, written.vignetting->center_y);
+  EXPECT_EQ(read.vignetting->radius, written.vignetting->radius);
+  EXPECT_EQ(read.vignetting->coefficients, written.vignetting->coefficients);
+  EXPECT_EQ(read.noise->read_noise_dn, written.noise->read_noise_dn);
+  EXPECT_EQ(read.noise->dn_per_electron, written.noise->dn_per_electron);
+  EXPECT_EQ(read.noise->gain_db, written.noise->gain_db);
 }
 
 void ExpectSame(const FrameRecord& read, const FrameRecord& written) {
@@ -256,6 +266,18 @@ TEST_F(SessionTest, ExposureOnSomeFramesIsRefused) {
   EXPECT_THAT(ReadError(), AllOf(HasSubstr("frames/1/exposure_us: 0"), HasSubstr("above 0")));
 }
 
+TEST_F(SessionTest, ACurveComesBackToTheBit) {
+  Session session = FullSession();
+  session.radiometry.encoding = calib::Encoding::kCurve;
+  session.radiometry.curve = {
+      {0.0, 0.0}, {1.0 / 3.0, 0.1}, {0.7, std::nextafter(0.1, 1.0)}, {1.0, 1.0}};
+  ASSERT_TRUE(WriteSession(session, root()));
+  const auto read = ReadSession(root());
+  ASSERT_TRUE(read) << read.error().text;
+  EXPECT_EQ(read->radiometry.encoding, calib::Encoding::kCurve);
+  EXPECT_EQ(read->radiometry.curve, session.radiometry.curve);
+}
+
 TEST_F(SessionTest, ValuesOutOfRangeAreRefused) {
   struct BadValue {
     const char* pointer;
@@ -268,6 +290,21 @@ TEST_F(SessionTest, ValuesOutOfRangeAreRefused) {
            {"/radiometry/saturation", -1, "saturation: -1, allowed"},
            {"/radiometry/encoding", "log", "encoding: \"log\", allowed is \"linear\""},
            {"/radiometry/encoding", {{"gamma", 0}}, "encoding/gamma: 0, allowed"},
+           {"/radiometry/encoding",
+            {{"curve", {{0, 0}, {0.5, 0.6}, {0.4, 0.7}, {1, 1}}}},
+            "encoding/curve: allowed are 2 to 4096 points"},
+           {"/radiometry/encoding", {{"curve", {{0, 0}, {0.9, 0.9}}}}, "from [0, 0] to [1, 1]"},
+           {"/radiometry/encoding", {{"curve", {{0, 0}, {1, 1}}}, {"gamma", 2}}, "unknown key"},
+           {"/radiometry/vignetting",
+            {{"center", {1, 2}}, {"radius", 9}, {"coefficients", {-0.96}}},
+            "a share of light of 0.05 to 2"},
+           {"/radiometry/vignetting",
+            {{"center", {1, 2}}, {"radius", 0}, {"coefficients", {0.1}}},
+            "vignetting/radius: 0, allowed"},
+           {"/radiometry/noise",
+            {{"read_noise_dn", 0}, {"dn_per_electron", 0}},
+            "a number above 0"},
+           {"/radiometry/noise", {{"read_noise_dn", 1}}, "dn_per_electron"},
            {"/radiometry/white_balance", {1, 0, 1}, "white_balance: [1,0,1], allowed"},
            {"/radiometry/bayer", "RGBG", "bayer: \"RGBG\", allowed is one of RGGB"},
            {"/radiometry/reference_exposure_us", 0, "reference_exposure_us: 0, allowed"},

@@ -63,6 +63,11 @@ TEST(Prop, EveryKindIsRead) {
   EXPECT_EQ(std::get<HandheldBoard>(*held).seed, 3u);
   EXPECT_EQ(std::get<HandheldBoard>(*held).board.dictionary, "4X4_50");
 
+  const auto ball = Read("kind: ball\nradius: 20\noffset: [1, 2, 20]\nlamp_radius_deg: 2");
+  ASSERT_TRUE(ball) << ball.error().text;
+  EXPECT_EQ(std::get<BallOnTable>(*ball).radius, 20.0);
+  EXPECT_EQ(std::get<BallOnTable>(*ball).offset, Eigen::Vector3d(1, 2, 20));
+
   const auto grey = Read("kind: grey\nradiance: 0.4\ncolour: [1, 0.5, 2]");
   ASSERT_TRUE(grey);
   EXPECT_EQ(std::get<EvenField>(*grey).radiance, Eigen::Vector3d(0.4, 0.2, 0.8));
@@ -75,7 +80,7 @@ TEST(Prop, EveryKindIsRead) {
 TEST(Prop, WrongValuesAreNamed) {
   const std::string held = std::string("kind: handheld\n") + kBoardOf6;
   for (const auto& [yaml, says] :
-       {std::pair<std::string, const char*>("kind: ball", "handheld"),
+       {std::pair<std::string, const char*>("kind: cube", "handheld"),
         {"kind: flat\nradiance: -1", "t.yaml:2: radiance: -1"},
         {"kind: dark\nradiance: 1", "unknown key"},
         {"kind: board", "board"},
@@ -135,6 +140,16 @@ TEST(Prop, AFieldIsEvenButForTheVignetting) {
   EXPECT_NEAR(picture(60, 80)[0], 0.4, 1e-3);
   EXPECT_NEAR(picture(60, 80)[1], 0.2, 1e-3);
   EXPECT_NEAR(picture(0, 0)[2], 0.8 * 0.5, 1e-6);
+}
+
+TEST(Prop, AMirrorBallShowsTheLightsAndTurnsWithTheTable) {
+  const Studio studio = StudioWith("prop: {kind: ball, radius: 25, offset: [20, 0, 25]}");
+  const cv::Mat3f first = RenderView(studio, {0.0}).radiance;
+  double brightest = 0.0;
+  cv::minMaxLoc(first.reshape(1), nullptr, &brightest);
+  EXPECT_GT(brightest, 1.0);  // the light's image
+  EXPECT_GT(cv::norm(first, RenderView(studio, {90.0}).radiance, cv::NORM_INF), 0.1);
+  EXPECT_EQ(cv::norm(first, RenderView(studio, {0.0, false}).radiance, cv::NORM_INF), 0.0);
 }
 
 TEST(Prop, LampsOffLeaveTheAmbientTerm) {

@@ -3,8 +3,9 @@
 // number of parameters), and the error is within 0.1 mm and 0.1 degree each time.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 
 #include "base/angles.h"
 #include "base/parallel.h"
@@ -34,12 +35,11 @@ void Study(const calib::TargetShape& shape, const OutlineNoise& noise, int draws
     if (!rotation) truth.rotation.setIdentity();
     const auto placed =
         PlaceTarget(rig, shape, Outlines(rig, shape, truth, Revolution(6), noise, 1000 + i), {},
-                    {.upright = true});
+                    {.common_shift_sigma = 0.0, .upright = true});
     ASSERT_TRUE(placed) << placed.error().text;
     errors[i] = ErrorOf(placed->X_AT, truth);
     if (std::holds_alternative<calib::PlaneShape>(shape)) {
-      const calib::Pose half =
-          truth * calib::Turn(Eigen::Vector3d::UnitZ(), 3.14159265358979323846);
+      const calib::Pose half = truth * calib::Turn(Eigen::Vector3d::UnitZ(), std::numbers::pi);
       const auto other = ErrorOf(placed->X_AT, half);
       if (other.norm() < errors[i].norm()) errors[i] = other;
     }
