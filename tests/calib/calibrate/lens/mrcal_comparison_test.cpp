@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/format.h"
+#include "calib/calibrate/lens/projection_difference.h"
 #include "simulated_views.h"
 #include "tests/temporary_folder.h"
 
