@@ -75,6 +75,14 @@ std::string SummaryOf(const std::vector<lens::PictureViews>& views,
   return text;
 }
 
+// Another board than was said shows in what is odd about the pictures.
+Error WithRemarks(Error error, const std::vector<std::string>& remarks) {
+  constexpr std::size_t kMost = 3;
+  for (std::size_t i = 0; i < remarks.size() && i < kMost; ++i) error.text += "\n  " + remarks[i];
+  if (remarks.size() > kMost) error.text += Format("\n  and %zu more", remarks.size() - kMost);
+  return error;
+}
+
 int CalibrateIntrinsics(const IntrinsicsArguments& arguments) {
   const InterruptAtOnce guard;
   const auto board = board::ParseBoard(arguments.board);
@@ -100,7 +108,7 @@ int CalibrateIntrinsics(const IntrinsicsArguments& arguments) {
     assessment = lens::AssessLens(*board, seen->views, *found, options, arguments.distance_mm);
     return found;
   }();
-  if (!calibration) return Fail(calibration.error());
+  if (!calibration) return Fail(WithRemarks(calibration.error(), seen->remarks));
   if (const Status status = WriteAll(*board, seen->views, *calibration, *assessment, out); !status)
     return Fail(status.error());
   std::cout << SummaryOf(seen->views, *calibration, *assessment) << arguments.out

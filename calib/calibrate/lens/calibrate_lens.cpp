@@ -324,7 +324,11 @@ Result<LensCalibration> CalibrateLens(const board::Board& board,
   result.rms_px = noise.rms_px;
   result.noise_px = noise.noise_px;
   result.parameters = noise.parameters;
-  if (const Status status = Judge(result); !status) return Forward(status);
+  if (Status status = Judge(result); !status) {
+    if (!result.dropped.empty())
+      status.error().text += "; not used:" + ReasonsOf(result.dropped, pictures);
+    return Forward(status);
+  }
   return result;
 }
 

@@ -101,9 +101,16 @@ TEST(CalibrateIntrinsics, RefusesInWords) {
   auto line = Line(folder.path().string(), out / "lens");
   line[8] = "FISHEYE";
   EXPECT_THAT(refusal(line), HasSubstr("--lens: 'FISHEYE' is no lens model; allowed are"));
+  const TemporaryFolder walls;
+  for (const char* name : {"a.png", "b.png"})
+    ASSERT_TRUE(rig::WriteImage(walls / name, cv::Mat(480, 640, CV_8U, cv::Scalar(90))));
+  EXPECT_THAT(refusal(Line(walls.path().string(), out / "lens")),
+              HasSubstr("none of the 2 pictures shows the board"));
   line = Line(folder.path().string(), out / "lens");
   line[4] = "5x4";
-  EXPECT_THAT(refusal(line), HasSubstr("none of the 8 pictures shows the board"));
+  const Outcome another = RunProgram(line);
+  EXPECT_NE(another.exit_code, 0);
+  EXPECT_THAT(another.err, HasSubstr("the picture shows 8 x 6 inner corners"));
   EXPECT_THAT(refusal(Line(folder / "missing.png", out / "lens")), HasSubstr("missing.png"));
   ASSERT_TRUE(rig::WriteImage(folder / "other.png", cv::Mat(300, 400, CV_8U, cv::Scalar(90))));
   EXPECT_THAT(refusal(Line(folder.path().string(), out / "lens")),
