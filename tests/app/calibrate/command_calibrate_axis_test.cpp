@@ -1,8 +1,8 @@
 // Proves, with the real program and mock devices whose axis is not where it seems: pictures of a
 // board on the turning table become a rig's calibration within its sigmas, with its devices, beside
-// pictures; the radiometry of a calibration that is there stays; a rig whose target has no place yet
-// does not capture; what does not fit together is refused. Does not prove: that the sigmas cover the
-// errors (axis_study).
+// pictures; the radiometry of a calibration that is there stays; a rig whose target has no place
+// yet does not capture; what does not fit together is refused. Does not prove: that the sigmas
+// cover the errors (axis_study).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,8 +44,8 @@ class CalibrateAxisCommand : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     WriteText(*folder_ / "rig.yaml", kBoardRig);
-    const Outcome outcome = RunProgram(
-        {"calibrate", "capture", *folder_ / "rig.yaml", "--out", *folder_ / "board"});
+    const Outcome outcome =
+        RunProgram({"calibrate", "capture", *folder_ / "rig.yaml", "--out", *folder_ / "board"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     fs::create_directory(*folder_ / "lens");
     WriteText(*folder_ / "lens/camera.cameramodel",
@@ -57,9 +57,9 @@ class CalibrateAxisCommand : public testing::Test {
   }
   static Outcome Calibrate(const std::string& out, const std::vector<std::string>& more = {},
                            const std::string& board = "7x6") {
-    std::vector<std::string> line{"calibrate",   "axis", *folder_ / "board", "--board", board,
-                                  "--square-mm", "12",   "--camera",         *folder_ / "lens",
-                                  "--out",       out};
+    std::vector<std::string> line{
+        "calibrate", "axis",     *folder_ / "board", "--board", board, "--square-mm",
+        "12",        "--camera", *folder_ / "lens",  "--out",   out};
     line.insert(line.end(), more.begin(), more.end());
     return RunProgram(line);
   }
@@ -72,9 +72,9 @@ TEST_F(CalibrateAxisCommand, FindsTheAxisOfASimulatedRig) {
   const fs::path out = *folder_ / "rig/rig-calibration.json";
   const Outcome outcome = Calibrate(out, {"--lens", "50 mm, f/8"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("13 of 13 used"), HasSubstr("verdict"),
-                                 HasSubstr("closure"), HasSubstr("without its covariance"),
-                                 HasSubstr("turnlight calibrate target")));
+  EXPECT_THAT(outcome.out,
+              AllOf(HasSubstr("13 of 13 used"), HasSubstr("verdict"), HasSubstr("closure"),
+                    HasSubstr("without its covariance"), HasSubstr("turnlight calibrate target")));
   for (const char* name : {"rig-calibration-axis-views.png", "rig-calibration-axis-plan.png"})
     EXPECT_TRUE(fs::exists(out.parent_path() / name)) << name;
   const auto read = rig::ReadRigCalibration(out);
@@ -146,9 +146,9 @@ TEST_F(CalibrateAxisCommand, WhatDoesNotFitTogetherIsRefused) {
   EXPECT_THAT(other.err, HasSubstr("0 of 13 views can be used"));
   WriteText(*folder_ / "small.cameramodel",
             calib::CameraModel::Pinhole(240, 180, 450, 450, 120, 90).ToString());
-  const Outcome small = RunProgram({"calibrate", "axis", *folder_ / "board", "--board", "7x6",
-                                    "--square-mm", "12", "--camera",
-                                    *folder_ / "small.cameramodel", "--out", out});
+  const Outcome small =
+      RunProgram({"calibrate", "axis", *folder_ / "board", "--board", "7x6", "--square-mm", "12",
+                  "--camera", *folder_ / "small.cameramodel", "--out", out});
   EXPECT_EQ(small.exit_code, 2);
   EXPECT_THAT(small.err, HasSubstr("240 x 180 pixels, allowed is one of the pictures', 480 x 360"));
   EXPECT_EQ(Calibrate(*folder_ / "board/inside.json").exit_code, 2);
