@@ -32,6 +32,9 @@ constexpr int kMostRounds = 20;
 constexpr double kFirstAngleNoise = DegToRad(0.1) / 0.3;  // radians by pixels
 // Of -2 log likelihood: odds of 20000 to 1.
 constexpr double kDecisive = 20.0;
+// Fits that left out other points differ by less, those of another axis by more.
+constexpr double kSameDirection = DegToRad(0.5);
+constexpr double kSameScale = 0.05;
 constexpr double kLeastAngle = DegToRad(1e-4);
 constexpr double kSettled = 1e-3;  // relative change of the noise
 
@@ -314,26 +317,45 @@ Status Sift(const CameraModel& camera, const std::vector<AxisView>& views, AxisF
   return Solve(camera, angle_noise, fit);
 }
 
-// -2 log likelihood but for constants: how well corners and angles fit.
-double Misfit(const AxisFit& fit) {
-  return 2.0 * (fit.noise.corner_freedom * std::log(fit.noise.corner) +
-                fit.noise.angle_freedom * std::log(std::max(fit.noise.angle, kLeastAngle)));
+// -2 log likelihood but for constants: how well corners and angles fit, of as many of them.
+double Misfit(const AxisFit& fit, int corners, int angles) {
+  return 2.0 * (corners * std::log(fit.noise.corner) +
+                angles * std::log(std::max(fit.noise.angle, kLeastAngle)));
 }
 
-// Of the board that turns one way and of the same turning the other.
-Result<AxisFit> Better(std::vector<Result<AxisFit>> fits, std::size_t sides) {
-  if (fits.size() == 1 || !fits[1]) return std::move(fits[0]);
-  if (!fits[0]) return std::move(fits[1]);
-  const std::size_t used[] = {Used(*fits[0]).size(), Used(*fits[1]).size()};
-  if (used[0] != used[1]) return std::move(fits[used[0] > used[1] ? 0 : 1]);
-  const double misfits[] = {Misfit(*fits[0]), Misfit(*fits[1])};
-  if (std::abs(misfits[0] - misfits[1]) > kDecisive)
-    return std::move(fits[misfits[0] < misfits[1] ? 0 : 1]);
-  return NoEstimateError(
-      "the board looks the same from " + std::to_string(sides) +
-      " sides, and the angles do not tell which way it turns; take views at angles that are no "
-      "multiples of " +
-      NumberText(180.0 / static_cast<double>(sides)) + " degrees apart");
+// Two candidates that led to one fit.
+bool IsSame(const AxisFit& a, const AxisFit& b) {
+  return (a.state.u - b.state.u).norm() < kSameDirection &&
+         std::abs(a.state.scale - b.state.scale) < kSameScale;
+}
+
+// The best of what the candidates led to.
+Result<AxisFit> BestOf(std::vector<Result<AxisFit>> fits, std::size_t sides) {
+  const Error first_error = fits.front() ? Error() : fits.front().error();
+  std::erase_if(fits, [](const Result<AxisFit>& fit) { return !fit; });
+  if (fits.empty()) return tl::unexpected(first_error);
+  std::size_t most = 0;
+  for (Result<AxisFit>& fit : fits) most = std::max(most, Used(*fit).size());
+  std::erase_if(fits, [most](Result<AxisFit>& fit) { return 4 * Used(*fit).size() < 3 * most; });
+  int corners = fits.front()->noise.corner_freedom, angles = fits.front()->noise.angle_freedom;
+  for (const Result<AxisFit>& fit : fits) {
+    corners = std::min(corners, fit->noise.corner_freedom);
+    angles = std::min(angles, fit->noise.angle_freedom);
+  }
+  std::stable_sort(fits.begin(), fits.end(), [&](const auto& a, const auto& b) {
+    return Misfit(*a, corners, angles) < Misfit(*b, corners, angles);
+  });
+  for (const Result<AxisFit>& other : fits)
+    if (!IsSame(*fits.front(), *other) &&
+        Misfit(*other, corners, angles) < Misfit(*fits.front(), corners, angles) + kDecisive)
+      return NoEstimateError(
+          "the views fit another axis, or the board turning the other way, as well: it looks the "
+          "same from " +
+          std::to_string(sides) + (sides == 1 ? " side" : " sides") +
+          "; take views at angles that are no multiples of " +
+          NumberText(180.0 / static_cast<double>(sides)) +
+          " degrees apart, of a larger board, nearer to the camera");
+  return std::move(fits.front());
 }
 
 }  // namespace
@@ -358,7 +380,7 @@ Result<AxisFit> FitAxis(const board::Board& board, const CameraModel& camera,
     const Status status = Sift(camera, views, fit);
     fits.push_back(status ? Result<AxisFit>(std::move(fit)) : Forward(status));
   }
-  return Better(std::move(fits), turns.size());
+  return BestOf(std::move(fits), turns.size());
 }
 
 }  // namespace turnlight::calib::calibrate::axis

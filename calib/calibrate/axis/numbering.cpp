@@ -21,6 +21,9 @@ constexpr double kAngleTolerance = DegToRad(4.0);
 // Two views this far apart, or as near to a whole turn, tell no axis.
 constexpr double kSmallestTurn = DegToRad(0.5);
 constexpr std::size_t kMostSeedViews = 40;
+// Axes nearer to each other than this lead to the same fit.
+const double kSameAxis = std::cos(DegToRad(5.0));
+constexpr std::size_t kMostCandidates = 6;
 
 double Wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
@@ -59,6 +62,22 @@ TurningBoard::Choice Choose(const TurningView& view, const std::vector<Pose>& tu
   return best;
 }
 
+// The slope of the line through turned against reported angles.
+double ScaleOf(const std::vector<TurningView>& views, const TurningBoard& board) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!board.choices[i].fits) continue;
+    const double angle = DegToRad(views[i].angle_deg), turned = board.choices[i].turned;
+    n += 1.0;
+    x += angle;
+    y += turned;
+    xx += angle * angle;
+    xy += angle * turned;
+  }
+  const double spread = n * xx - x * x;
+  return spread > 0.0 ? (n * xy - x * y) / spread : 1.0;
+}
+
 // From the reference view to its neighbours and on, so that an error of the scale does not add up.
 Walk WalkViews(const std::vector<TurningView>& views, const std::vector<Pose>& turns,
                const std::vector<std::size_t>& order, std::size_t reference,
@@ -80,6 +99,13 @@ Walk WalkViews(const std::vector<TurningView>& views, const std::vector<Pose>& t
   };
   for (auto to = at + 1; to != order.end(); ++to) visit(*(to - 1), *to);
   for (auto to = at; to != order.begin(); --to) visit(*to, *(to - 1));
+  TurningBoard& board = walk.board;
+  board.scale = ScaleOf(views, board);
+  if (board.scale > 0.0) return walk;
+  // The same turning, told about the opposite direction.
+  board.scale = -board.scale;
+  board.direction_C = -u;
+  for (TurningBoard::Choice& choice : board.choices) choice.turned = -choice.turned;
   return walk;
 }
 
@@ -124,25 +150,20 @@ std::vector<Seed> SeedsOf(const std::vector<TurningView>& views, const std::vect
   return seeds;
 }
 
-// The slope of the line through turned against reported angles.
-double ScaleOf(const std::vector<TurningView>& views, const TurningBoard& board) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (!board.choices[i].fits) continue;
-    const double angle = DegToRad(views[i].angle_deg), turned = board.choices[i].turned;
-    n += 1.0;
-    x += angle;
-    y += turned;
-    xx += angle * angle;
-    xy += angle * turned;
-  }
-  const double spread = n * xx - x * x;
-  return spread > 0.0 ? (n * xy - x * y) / spread : 1.0;
-}
-
 std::size_t Fitting(const TurningBoard& board) {
   return static_cast<std::size_t>(std::count_if(board.choices.begin(), board.choices.end(),
                                                 [](const auto& choice) { return choice.fits; }));
+}
+
+// Of the walks about one axis the best.
+void Keep(Walk walk, std::vector<Walk>& walks) {
+  const auto same = std::find_if(walks.begin(), walks.end(), [&walk](const Walk& other) {
+    return walk.board.direction_C.dot(other.board.direction_C) > kSameAxis;
+  });
+  if (same == walks.end())
+    walks.push_back(std::move(walk));
+  else if (walk.cost < same->cost)
+    *same = std::move(walk);
 }
 
 tl::unexpected<Error> NoTurning(std::size_t fitting, std::size_t views) {
@@ -163,28 +184,20 @@ Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& vi
   std::stable_sort(order.begin(), order.end(), [&views](std::size_t a, std::size_t b) {
     return views[a].angle_deg < views[b].angle_deg;
   });
-  std::optional<Walk> best, reverse;
+  std::vector<Walk> walks;
   // A view that is wrong itself must not be what all others are judged by.
   for (const std::size_t place : {order.size() / 2, std::size_t{0}, order.size() - 1})
-    for (const Seed& seed : SeedsOf(views, turns, order[place])) {
-      Walk walk = WalkViews(views, turns, order, order[place], seed.reference_tilt, seed.u);
-      const bool turned_round = best && walk.board.direction_C.dot(best->board.direction_C) < 0.0;
-      if (!best || walk.cost < best->cost) {
-        if (turned_round) reverse = std::move(best);
-        best = std::move(walk);
-      } else if (turned_round && (!reverse || walk.cost < reverse->cost)) {
-        reverse = std::move(walk);
-      }
-    }
+    for (const Seed& seed : SeedsOf(views, turns, order[place]))
+      Keep(WalkViews(views, turns, order, order[place], seed.reference_tilt, seed.u), walks);
+  std::stable_sort(walks.begin(), walks.end(),
+                   [](const Walk& a, const Walk& b) { return a.cost < b.cost; });
   std::vector<TurningBoard> boards;
   std::size_t most = 0;
-  for (std::optional<Walk>* walk : {&best, &reverse}) {
-    if (!*walk) continue;
-    const std::size_t fitting = Fitting((*walk)->board);
+  for (Walk& walk : walks) {
+    const std::size_t fitting = Fitting(walk.board);
     most = std::max(most, fitting);
-    if (2 * fitting <= views.size() || fitting < 2) continue;
-    (*walk)->board.scale = ScaleOf(views, (*walk)->board);
-    boards.push_back(std::move((*walk)->board));
+    if (2 * fitting <= views.size() || fitting < 2 || boards.size() == kMostCandidates) continue;
+    boards.push_back(std::move(walk.board));
   }
   if (boards.empty()) return NoTurning(most, views.size());
   return boards;

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "base/result.h"
@@ -30,10 +29,11 @@ struct TurningBoard {
   std::size_t reference = 0;
 };
 
-// The candidates, the best first: where the board looks the same turning the other way, or nearly
-// so, that one too. turns: the board in frame B' is where it would be numbered otherwise, X_CB' =
-// X_CB X_BB'; the first is the identity. The reference view keeps its numbering: which corner is
-// point 0 is a choice. Fails (kNoEstimate): no axis that more than half of the views turn about.
+// The candidates, the best first; several where the board looks nearly the same turning about other
+// axes: from the other side, or with all tilts mirrored. turns: the board in frame B' is where it
+// would be numbered otherwise, X_CB' = X_CB X_BB'; the first is the identity. The reference view
+// keeps its numbering: which corner is point 0 is a choice. Fails (kNoEstimate): no axis that more
+// than half of the views turn about.
 Result<std::vector<TurningBoard>> FindTurning(const std::vector<TurningView>& views,
                                               const std::vector<Pose>& turns);
 

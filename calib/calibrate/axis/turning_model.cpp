@@ -208,6 +208,8 @@ Status FitTurning(const CameraModel& camera, const std::vector<ModelView>& views
   options.max_num_iterations = 100;
   options.function_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
+  // A little damping stays, so that the matrices of hopeless candidates can be factored.
+  options.max_trust_region_radius = 1e8;
   options.logging_type = ceres::SILENT;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (double& deviation : state.deviations)

@@ -221,7 +221,7 @@ TEST(CalibrateAxis, RightAnglesDoNotTellWhichWayASquareBoardOnTheAxisTurns) {
   PutOnAxis(table);
   const auto refused = Calibrate(table, {0, 90, 180, 270, 360, 450});
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text, AllOf(HasSubstr("looks the same from 4 sides"),
+  EXPECT_THAT(refused.error().text, AllOf(HasSubstr("it looks the same from 4 sides"),
                                           HasSubstr("no multiples of 45 degrees apart")));
 }
 
