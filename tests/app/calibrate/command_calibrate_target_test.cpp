@@ -55,8 +55,8 @@ struct Scene {
   }
 
   Outcome Run(std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments{"calibrate", "target", session, "--calibration", calibration,
-                                       "--out",     out};
+    std::vector<std::string> arguments{"calibrate", "target", session, "--calibration",
+                                       calibration, "--out",  out};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return RunProgram(arguments);
   }

@@ -101,8 +101,7 @@ std::vector<View> Outlines(const rig::RigCalibration& rig, const calib::TargetSh
 }
 
 std::vector<PickedPoint> Pick(const rig::RigCalibration& rig, const calib::MeshShape& mesh,
-                              const calib::Pose& X_AT, double sigma,
-                              std::uint64_t seed) {
+                              const calib::Pose& X_AT, double sigma, std::uint64_t seed) {
   std::vector<PickedPoint> picked;
   const RandomStream random(seed, 1u << 20);
   for (std::size_t i = 0; i < 5; ++i) {

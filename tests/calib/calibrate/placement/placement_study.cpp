@@ -37,8 +37,8 @@ void Study(const calib::TargetShape& shape, const OutlineNoise& noise, int draws
     if (const auto* mesh = std::get_if<calib::MeshShape>(&shape))
       picked = Pick(rig, *mesh, truth, 2.0, i);
     const auto placed =
-        PlaceTarget(rig, shape, Outlines(rig, shape, truth, Revolution(6), noise, 1000 + i),
-                    picked, {.common_shift_sigma = 0.0});
+        PlaceTarget(rig, shape, Outlines(rig, shape, truth, Revolution(6), noise, 1000 + i), picked,
+                    {.common_shift_sigma = 0.0});
     ASSERT_TRUE(placed) << placed.error().text;
     errors[i] = ErrorOf(placed->X_AT, truth);
     if (std::holds_alternative<calib::PlaneShape>(shape)) {
