@@ -231,7 +231,7 @@ cv::Mat3b ResidualPage(const std::vector<View>& views, const Placement& placemen
                         plot::kLabel);
   plot::DrawScaleBeside(
       page, area, [](double t) { return plot::DivergingColour(2.0 * t - 1.0); },
-      {{0.0, plot::FormatNumber(top)}, {0.5, "0"}, {1.0, plot::FormatNumber(-top)}}, "px");
+      {{0.0, plot::FormatNumber(-top)}, {0.5, "0"}, {1.0, plot::FormatNumber(top)}}, "px");
   return page;
 }
 

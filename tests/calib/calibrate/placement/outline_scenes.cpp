@@ -100,6 +100,23 @@ std::vector<View> Outlines(const rig::RigCalibration& rig, const calib::TargetSh
   return views;
 }
 
+std::vector<PickedPoint> Pick(const rig::RigCalibration& rig, const calib::MeshShape& mesh,
+                              const calib::Pose& X_AT, double sigma, std::uint64_t seed) {
+  std::vector<PickedPoint> picked;
+  const RandomStream random(seed, 1u << 20);
+  for (std::size_t i = 0; i < 5; ++i) {
+    calib::TurntableGeometry geometry = rig.geometry;
+    geometry.X_AT = X_AT;
+    const calib::RigPoses poses = calib::PosesAt(geometry, 0.0);
+    const Eigen::Vector3d p_T = mesh.vertices[(701 * i + 300) % mesh.vertices.size()];
+    const Eigen::Vector2d pixel = rig.lens.Project({poses.X_WC.Inverse() * (poses.X_WT * p_T)})[0];
+    picked.push_back(
+        {0, pixel + sigma * Eigen::Vector2d(random.Normal(2 * i), random.Normal(2 * i + 1)), p_T,
+         "points.csv:" + std::to_string(i + 1)});
+  }
+  return picked;
+}
+
 std::vector<double> Revolution(int views) {
   std::vector<double> angles;
   for (int i = 0; i < views; ++i) angles.push_back(360.0 * i / views);

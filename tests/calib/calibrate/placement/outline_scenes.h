@@ -29,6 +29,10 @@ std::vector<View> Outlines(const rig::RigCalibration& rig, const calib::TargetSh
                            const calib::Pose& X_AT, const std::vector<double>& angles_deg,
                            const OutlineNoise& noise, std::uint64_t seed);
 
+// Five vertices as the first view (angle 0) shows them, off by sigma pixels along each axis.
+std::vector<PickedPoint> Pick(const rig::RigCalibration& rig, const calib::MeshShape& mesh,
+                              const calib::Pose& X_AT, double sigma, std::uint64_t seed = 9);
+
 std::vector<double> Revolution(int views);
 
 // (w, d) from the estimate to the truth, in A.

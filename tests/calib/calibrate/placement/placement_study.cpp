@@ -33,9 +33,12 @@ void Study(const calib::TargetShape& shape, const OutlineNoise& noise, int draws
   ParallelFor(errors.size(), [&](std::size_t i) {
     calib::Pose truth = RandomPlace(RandomStream(77, i));
     if (!rotation) truth.rotation.setIdentity();
+    std::vector<PickedPoint> picked;
+    if (const auto* mesh = std::get_if<calib::MeshShape>(&shape))
+      picked = Pick(rig, *mesh, truth, 2.0, i);
     const auto placed =
-        PlaceTarget(rig, shape, Outlines(rig, shape, truth, Revolution(6), noise, 1000 + i), {},
-                    {.common_shift_sigma = 0.0, .upright = true});
+        PlaceTarget(rig, shape, Outlines(rig, shape, truth, Revolution(6), noise, 1000 + i), picked,
+                    {.common_shift_sigma = 0.0});
     ASSERT_TRUE(placed) << placed.error().text;
     errors[i] = ErrorOf(placed->X_AT, truth);
     if (std::holds_alternative<calib::PlaneShape>(shape)) {
