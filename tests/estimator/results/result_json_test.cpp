@@ -51,6 +51,32 @@ TEST(ResultJson, ValuesStandUnderTheirKeys) {
   EXPECT_EQ(json["time_s"]["total"], 2.0);
 }
 
+// Beside each stat, with its keys; items of nothing are left out.
+TEST(ResultJson, TheBudgetStandsBesideStat) {
+  Estimate e = ExampleEstimate();
+  uncertainty::BudgetItem axis{{"axis", "axis of the table", "calibrate axis"}, {}};
+  axis.sigma.lights.resize(2);
+  axis.sigma.lights[0].direction = DegToRad(0.01);
+  axis.sigma.lights[1].diffuse_product = {0.1, 0.2, 0.3};
+  axis.sigma.shininess = 0.25;
+  e.budget = {axis};
+  const auto json = ToJson(e);
+  const auto& item = json["lights"][0]["budget"]["direction_sigma_deg"][0];
+  EXPECT_EQ(item["item"], "axis");
+  EXPECT_EQ(item["words"], "axis of the table");
+  EXPECT_NEAR(item["sigma"].get<double>(), 0.01, 1e-12);
+  EXPECT_TRUE(json["lights"][1]["budget"]["direction_sigma_deg"].empty());
+  EXPECT_TRUE(json["lights"][1]["budget"]["distance_sigma"].is_null());
+  EXPECT_EQ(json["products"]["budget"]["diffuse_sigma"][1][0]["sigma"],
+            nlohmann::json({0.1, 0.2, 0.3}));
+  EXPECT_EQ(json["reflectance"]["sigma"]["budget"]["shininess"][0]["sigma"], 0.25);
+  for (const auto& [budget, stat] :
+       {std::pair(json["lights"][0]["budget"], json["lights"][0]["stat"]),
+        {json["reflectance"]["sigma"]["budget"], json["reflectance"]["sigma"]["stat"]},
+        {json["products"]["budget"], json["products"]["stat"]}})
+    for (const auto& [key, value] : stat.items()) EXPECT_TRUE(budget.contains(key)) << key;
+}
+
 TEST(ResultJson, WhatIsUnknownIsNullWithANote) {
   const auto json = ToJson(ExampleEstimate());
   EXPECT_TRUE(json["lights"][0]["intensity_sigma"].is_null());

@@ -76,6 +76,42 @@ TEST(EstimateUncertainty, OfHalvesThatDisagree) {
   EXPECT_LT(model, 1.05 * kDifference);
 }
 
+// The same as items: squares add up, and what disagrees has its own.
+TEST(EstimateUncertainty, BudgetOfHalvesThatDisagree) {
+  const MeanProblem mean(0.001, 2, [](std::size_t i) { return i < kMeanPixels / 2 ? 0.0 : 0.05; });
+  const Uncertainties sigmas = mean.Sigmas();
+  ASSERT_GE(sigmas.budget.size(), 2u);
+  EXPECT_EQ(sigmas.budget[0].words.item, "noise");
+  EXPECT_EQ(sigmas.budget[0].sigma.ambient, sigmas.stat.ambient);
+  double squares = 0.0, halves = 0.0;
+  for (const BudgetItem& item : sigmas.budget) {
+    squares += item.sigma.ambient * item.sigma.ambient;
+    if (item.words.item == "halves") halves = item.sigma.ambient;
+  }
+  EXPECT_NEAR(squares, sigmas.total.ambient * sigmas.total.ambient, 1e-12 * squares);
+  EXPECT_GT(halves, 0.04);
+}
+
+// A calibration that would move the gradient as a change of all values by 0.01 does: so much it
+// adds.
+TEST(EstimateUncertainty, CalibrationIsAnItemOfTheTotal) {
+  const MeanProblem mean(0.001, 2, [](std::size_t) { return 0.0; });
+  CalibrationResponse calibration;
+  calibration.as_modelled = mean.solution.equations;
+  const Eigen::Index ambient = solve::Columns{1, 0}.Ambient();
+  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(calibration.as_modelled.gradient.size(), 1);
+  gradient(ambient, 0) = 0.01 * calibration.as_modelled.hessian(ambient, ambient);
+  calibration.items.push_back({{"axis", "axis of the table", "calibrate"}, gradient});
+  const Uncertainties without = mean.Sigmas();
+  const Uncertainties with =
+      EstimateUncertainty(mean.solution, mean.pixels, {}, 1.0, mean.splits, &calibration);
+  EXPECT_EQ(with.budget.back().words.item, "axis");
+  EXPECT_NEAR(with.budget.back().sigma.ambient, 0.01, 1e-6);
+  EXPECT_NEAR(with.calibration.ambient, 0.01, 1e-6);
+  EXPECT_NEAR(with.total.ambient, std::hypot(without.total.ambient, 0.01), 1e-6);
+  EXPECT_EQ(with.stat.ambient, without.stat.ambient);
+}
+
 TEST(EstimateUncertainty, StatisticalSigmasAreThoseOfTheErrors) {
   const model::Scene truth = TwoLights();
   constexpr int kDraws = 60;
