@@ -91,8 +91,9 @@ std::string Bits(const RigCalibration& calibration) {
   add(radiometry.noise->dn_per_electron);
   add(*radiometry.noise->gain_db);
   const CalibrationCovariances& known = calibration.covariances;
-  for (const auto& matrix : {known.camera_model, known.X_WC, known.X_WA, known.X_AT,
-                             known.angle_scale, known.angle_offset, known.radiometry, known.noise}) {
+  for (const auto& matrix :
+       {known.camera_model, known.X_WC, known.X_WA, known.X_AT, known.angle_scale,
+        known.angle_offset, known.radiometry, known.noise}) {
     bits += matrix ? "covariance" : "none";
     for (Eigen::Index i = 0; matrix && i < matrix->size(); ++i) add(matrix->data()[i]);
   }
