@@ -51,13 +51,13 @@ struct MockCameraConfig {
   bool reports_trigger = false;  // whether frames say which trigger they answer
 
   // Of the world.
-  SyntheticConfig scene;                  // without masks and clip_share
-  TrueGeometry geometry;                  // of a table; of an orbit as by default
-  std::optional<Prop> prop;               // stands there instead of the scene's target
-  double reference_exposure_us = 8000.0;  // 10..1e7
-  double trigger_latency_ms = 0.2;        // 0..1000
-  double blur_threshold_deg = 1e-4;       // 0..10
-  int blur_samples = 8;                   // 2..64
+  SyntheticConfig scene;                    // without masks and clip_share
+  TrueGeometry geometry;                    // of a table; of an orbit as by default
+  std::optional<Prop> prop;                 // stands there instead of the scene's target
+  double reference_exposure_us = 8000.0;    // 10..1e7
+  double trigger_latency_ms = 0.2;          // 0..1000
+  double blur_threshold_deg = 1e-4;         // 0..10
+  int blur_samples = 8;                     // 2..64
   std::optional<std::uint64_t> noise_seed;  // of the pictures' noise; the scene's seed if not given
 };
 

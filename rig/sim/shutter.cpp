@@ -177,8 +177,9 @@ cv::Mat3f Shutter::Expose(const Shot& shot) {
 
 cv::Mat Shutter::Develop(const Shot& shot, const Sensor& sensor,
                          const calib::Radiometry& radiometry, bool grey) {
-  const RandomStream noise = NoiseStream(config_.noise_seed.value_or(config_.scene.seed), table_->CommandedAngleDeg(shot.begin),
-                                         shot.set, studio_->prop ? shot.picture : 0);
+  const RandomStream noise = NoiseStream(config_.noise_seed.value_or(config_.scene.seed),
+                                         table_->CommandedAngleDeg(shot.begin), shot.set,
+                                         studio_->prop ? shot.picture : 0);
   const cv::Mat3f colour = Expose(shot) * shot.light_factor;
   const cv::Mat radiance = grey ? cv::Mat(MeanOfChannels(colour)) : cv::Mat(colour);
   cv::Mat image = Photograph(sensor, radiometry, {shot.actual.exposure_us, shot.actual.gain_db},

@@ -7,7 +7,8 @@
 // its motion frames and step_deg mean nothing here, masks and sensor/clip_share must be left out -
 // and
 //   table    how the table really moves (rig/sim/mock_config.h)
-//   shutter  reference_exposure_us, trigger_latency_ms, blur_threshold_deg, blur_samples, noise_seed
+//   shutter  reference_exposure_us, trigger_latency_ms, blur_threshold_deg, blur_samples,
+//   noise_seed
 //            (there)
 //   geometry where axis and target really are (rig/sim/true_geometry.h); motion/kind must be table
 //   prop     what stands there instead of the target (rig/sim/prop.h)
