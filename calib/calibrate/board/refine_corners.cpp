@@ -16,6 +16,7 @@ constexpr int kLeastWindow = 2;
 constexpr int kLargestWindow = 12;    // more averages over the lens's bend rather than noise
 constexpr double kLedAway = 0.35;     // of the reach
 constexpr double kOutlier = 6.0;      // robust sigmas,
+constexpr double kWaves = 0.03;       // nor than so much of the step between points,
 constexpr double kAlwaysGood = 0.75;  // but never less than so many pixels
 
 // The step to the next corner in a direction, from both sides where both are there.
@@ -30,15 +31,16 @@ Eigen::Vector2d Step(const CornerLattice& lattice, int column, int row, int dx, 
   return shortest;
 }
 
-// Terms of a cubic of place, without those that a homography has.
-Eigen::RowVectorXd CubicTerms(const Eigen::Vector2d& p) {
+// Terms of a polynomial of place: of the third degree, or of the fourth.
+Eigen::RowVectorXd PolynomialTerms(const Eigen::Vector2d& p, int degree) {
   const double x = p.x(), y = p.y();
-  Eigen::RowVectorXd terms(10);
-  terms << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
-  return terms;
+  Eigen::RowVectorXd terms(15);
+  terms << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y, x * x * x * x,
+      x * x * x * y, x * x * y * y, x * y * y * y, y * y * y * y;
+  return terms.head(degree == 3 ? 10 : 15);
 }
 
-// Moved and scaled into -1..1, which keeps a cubic's terms apart.
+// Moved and scaled into -1..1, which keeps a polynomial's terms apart.
 std::vector<Eigen::Vector2d> Normalised(const std::vector<Eigen::Vector2d>& places) {
   Eigen::AlignedBox2d box;
   for (const auto& place : places) box.extend(place);
@@ -65,17 +67,19 @@ std::optional<std::vector<double>> PlaneFit::Misfits() const {
     off.row(i) = (pixels[static_cast<std::size_t>(i)] -
                   Map(*homography, places[static_cast<std::size_t>(i)]))
                      .transpose();
-  constexpr Eigen::Index kEnoughForACubic = 20;
-  if (count >= kEnoughForACubic) {
-    Eigen::MatrixXd terms(count, 10);
+  constexpr Eigen::Index kEnoughForThree = 20;
+  constexpr Eigen::Index kEnoughForFour = 40;
+  if (count >= kEnoughForThree) {
+    const int degree = count >= kEnoughForFour ? 4 : 3;
+    Eigen::MatrixXd terms(count, degree == 3 ? 10 : 15);
     Eigen::VectorXd roots(count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      terms.row(i) = CubicTerms(places[static_cast<std::size_t>(i)]);
+      terms.row(i) = PolynomialTerms(places[static_cast<std::size_t>(i)], degree);
       roots[i] = std::sqrt(weights[static_cast<std::size_t>(i)]);
     }
-    const Eigen::MatrixXd cubic =
+    const Eigen::MatrixXd lens =
         (roots.asDiagonal() * terms).colPivHouseholderQr().solve(roots.asDiagonal() * off);
-    off -= terms * cubic;
+    off -= terms * lens;
   }
   std::vector<double> misfits;
   for (Eigen::Index i = 0; i < count; ++i) misfits.push_back(off.row(i).norm());
@@ -96,10 +100,21 @@ std::optional<Eigen::Vector2d> RefineCorner(const cv::Mat& picture, const Eigen:
   if (corner.x() < half + 2 || corner.y() < half + 2 || corner.x() > picture.cols - half - 3 ||
       corner.y() > picture.rows - half - 3)
     return std::nullopt;
-  std::vector<cv::Point2f> points{{static_cast<float>(corner.x()), static_cast<float>(corner.y())}};
-  cv::cornerSubPix(picture, points, {half, half}, {-1, -1},
+  // The corner's surroundings, blurred so that gradients between pixels are not aliased: this
+  // halves the error in a sharp picture. Little room stands little blur.
+  const double blur = std::clamp(reach / 6.0, 0.6, 1.0);
+  const int side = half + 8;
+  const cv::Rect box = cv::Rect(static_cast<int>(corner.x()) - side,
+                                static_cast<int>(corner.y()) - side, 2 * side + 1, 2 * side + 1) &
+                       cv::Rect(0, 0, picture.cols, picture.rows);
+  cv::Mat patch;
+  cv::GaussianBlur(picture(box), patch, {}, blur, blur, cv::BORDER_REPLICATE);
+  std::vector<cv::Point2f> points{
+      {static_cast<float>(corner.x() - box.x), static_cast<float>(corner.y() - box.y)}};
+  cv::cornerSubPix(patch, points, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-3});
-  const Eigen::Vector2d refined(points[0].x, points[0].y);
+  const Eigen::Vector2d refined =
+      Eigen::Vector2d(points[0].x, points[0].y) + Eigen::Vector2d(box.x, box.y);
   if (!((refined - corner).norm() <= std::max(1.5, kLedAway * reach))) return std::nullopt;
   return refined;
 }
@@ -124,7 +139,7 @@ void RefineCorners(const cv::Mat& picture, CornerLattice& lattice) {
 }
 
 std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
-                          const std::vector<Eigen::Vector2d>& pixels) {
+                          const std::vector<Eigen::Vector2d>& pixels, double step) {
   std::vector<bool> regular(places.size(), true);
   if (places.empty()) return regular;
   PlaneFit fit{Normalised(places), pixels, std::vector<double>(places.size(), 1.0)};
@@ -141,21 +156,25 @@ std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
     }
   }
   for (std::size_t i = 0; i < misfits.size(); ++i)
-    regular[i] = misfits[i] <= std::max(kAlwaysGood, kOutlier * sigma);
+    regular[i] = misfits[i] <= std::max({kAlwaysGood, kWaves * step, kOutlier * sigma});
   return regular;
 }
 
 void DropOutliers(CornerLattice& lattice) {
   std::vector<std::size_t> corners;
+  std::vector<double> steps;
   std::vector<Eigen::Vector2d> places, pixels;
   for (int row = 0; row < lattice.rows; ++row)
     for (int column = 0; column < lattice.columns; ++column) {
       if (!lattice.Has(column, row)) continue;
       corners.push_back(lattice.Index(column, row));
+      steps.push_back(FreeReach(lattice, column, row));
       places.emplace_back(column, row);
       pixels.push_back(lattice.At(column, row));
     }
-  const auto regular = Regular(places, pixels);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const auto regular = Regular(places, pixels, steps.empty() ? 0.0 : *middle);
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (!regular[i]) lattice.corners[corners[i]].reset();
 }
