@@ -1,4 +1,5 @@
-// Proves: what people write becomes the board they mean, and what cannot be is refused in the options' words.
+// Proves: what people write becomes the board they mean, and what cannot be is refused in the
+// options' words.
 #include "calib/calibrate/board/board_words.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
-// Proves: boards that are rendered with known truth are found to some hundredths of a pixel, turned,
-// oblique, through a strong lens, small, blurred, noisy, several, half hidden; and what is told of those that are not.
-// Does not prove that real photographs are as good: real_boards_test.cpp looks at some.
+// Proves: boards that are rendered with known truth are found to some hundredths of a pixel,
+// turned, oblique, through a strong lens, small, blurred, noisy, several, half hidden; and what is
+// told of those that are not. Does not prove that real photographs are as good:
+// real_boards_test.cpp looks at some.
 #include "calib/calibrate/board/detect_boards.h"
 
 #include <gmock/gmock.h>
@@ -100,8 +101,7 @@ TEST(DetectBoards, TwoChessboardsThatMeetInACornerOfARoom) {
   const auto camera = TestCamera();
   const auto left = Place(Chessboard(7, 7), {40.0, 90.0, 0.0, 500.0, -72.0});
   const auto right = Place(Chessboard(7, 7), {-40.0, 90.0, 0.0, 500.0, 72.0});
-  const auto detection =
-      Detected(rig::sim::RenderBoards({left, right}, camera), Chessboard(7, 7));
+  const auto detection = Detected(rig::sim::RenderBoards({left, right}, camera), Chessboard(7, 7));
   ASSERT_EQ(detection.boards.size(), 2u);
   for (const DetectedBoard& found : detection.boards) {
     EXPECT_EQ(found.view.points.size(), 49u);

@@ -1,5 +1,5 @@
-// Proves: which numberings of a board look the same, counted by hand, and that point 0 is canonical where colours
-// tell it.
+// Proves: which numberings of a board look the same, counted by hand, and that point 0 is canonical
+// where colours tell it.
 #include "calib/calibrate/board/number_lattice.h"
 
 #include <gmock/gmock.h>
@@ -18,8 +18,8 @@ TEST(SameLookingNumberings, AsManyAsTheSquaresColoursAllow) {
   EXPECT_EQ(SameLookingNumberings(Chessboard(8, 6)).size(), 2u);
   EXPECT_EQ(SameLookingNumberings(Chessboard(9, 7)).size(), 2u);
   EXPECT_EQ(SameLookingNumberings(Chessboard(9, 6)).size(), 1u);
-  EXPECT_EQ(
-      SameLookingNumberings({BoardKind::kAprilTagGrid, 4, 4, 30.0, 20.0, "tag36h11"}).size(), 1u);
+  EXPECT_EQ(SameLookingNumberings({BoardKind::kAprilTagGrid, 4, 4, 30.0, 20.0, "tag36h11"}).size(),
+            1u);
 }
 
 // Every point and every colour goes where the numbering says: a turn of the plane.
@@ -33,8 +33,7 @@ TEST(SameLookingNumberings, AreTurnsThatKeepThePrint) {
         const double before = (points[i + 1] - points[i]).norm();
         EXPECT_DOUBLE_EQ((points[way[i + 1]] - points[way[i]]).norm(), before);
       }
-      const Eigen::Vector2d along =
-          (points[way[1]] - points[way[0]]).head<2>();
+      const Eigen::Vector2d along = (points[way[1]] - points[way[0]]).head<2>();
       const Eigen::Vector2d down =
           (points[way[static_cast<std::size_t>(board.columns)]] - points[way[0]]).head<2>();
       EXPECT_GT(along.x() * down.y() - along.y() * down.x(), 0.0);

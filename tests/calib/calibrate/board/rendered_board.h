@@ -41,10 +41,9 @@ inline rig::sim::PlacedBoard Place(const Board& board, const View& view) {
   const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180.0; };
   const Eigen::Vector3d axis(std::cos(radians(view.axis_deg)), std::sin(radians(view.axis_deg)), 0);
   Pose X_CB;
-  X_CB.rotation =
-      (Eigen::AngleAxisd(radians(view.tilt_deg), axis) *
-       Eigen::AngleAxisd(radians(view.roll_deg), Eigen::Vector3d::UnitZ()))
-          .toRotationMatrix();
+  X_CB.rotation = (Eigen::AngleAxisd(radians(view.tilt_deg), axis) *
+                   Eigen::AngleAxisd(radians(view.roll_deg), Eigen::Vector3d::UnitZ()))
+                      .toRotationMatrix();
   const Eigen::Vector3d middle((board.columns - 1) * board.spacing / 2.0,
                                (board.rows - 1) * board.spacing / 2.0, 0.0);
   X_CB.translation = Eigen::Vector3d(view.right, 0.0, view.distance) - X_CB.rotation * middle;
@@ -66,8 +65,7 @@ inline Misfit MisfitOf(const BoardView& view, const rig::sim::PlacedBoard& place
     for (const SeenPoint& seen : view.points)
       off.push_back((seen.pixel - truth[way[seen.point]]).norm());
     std::sort(off.begin(), off.end());
-    if (!off.empty() && off[off.size() / 2] < best.median)
-      best = {off[off.size() / 2], off.back()};
+    if (!off.empty() && off[off.size() / 2] < best.median) best = {off[off.size() / 2], off.back()};
   }
   return best;
 }
