@@ -5,7 +5,8 @@
 
 namespace turnlight::app {
 
-void AddBoardOptions(CLI::App& command, calib::calibrate::board::BoardWords& words, bool required) {
+void AddBoardOptions(CLI::App& command, calib::calibrate::board::BoardWords& words,
+                     bool required) {
   const std::string group = "The board";
   command
       .add_option("--board", words.size,
@@ -26,7 +27,8 @@ void AddBoardOptions(CLI::App& command, calib::calibrate::board::BoardWords& wor
       .add_option("--apriltag", words.apriltag,
                   "It is a grid of tags of this dictionary, such as APRILTAG_36h11")
       ->group(group);
-  command.add_option("--marker-mm", words.marker_mm, "Side of its markers, with their dark border")
+  command
+      .add_option("--marker-mm", words.marker_mm, "Side of its markers, with their dark border")
       ->group(group);
 }
 

@@ -7,8 +7,8 @@
 
 namespace turnlight::app {
 
-// --board COLSxROWS and --square-mm S; --charuco or --apriltag DICT with --marker-mm M. `words`
-// must live until the command runs, which hands them to ParseBoard.
+// --board COLSxROWS and --square-mm S; --charuco or --apriltag DICT with --marker-mm M. `words` must live until
+// the command runs, which hands them to ParseBoard.
 void AddBoardOptions(CLI::App& command, calib::calibrate::board::BoardWords& words,
                      bool required = true);
 

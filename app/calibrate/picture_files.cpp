@@ -127,8 +127,7 @@ Result<GreyPicture> ReadGreyPicture(const fs::path& path) {
   auto image = rig::ReadImage(path);
   if (!image) return Forward(image);
   if (image->depth() != CV_8U && image->depth() != CV_16U)
-    return InputError(path.string() +
-                      ": a picture of floating-point numbers, allowed are 8 and 16 bits");
+    return InputError(path.string() + ": a picture of floating-point numbers, allowed are 8 and 16 bits");
   if (image->channels() == 3) {
     cv::cvtColor(*image, picture.grey, cv::COLOR_RGB2GRAY);
   } else {

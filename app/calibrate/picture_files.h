@@ -10,9 +10,9 @@
 
 namespace turnlight::app {
 
-// The files that arguments name: a file is itself, a folder its .png, .tif, .tiff, .jpg and .jpeg,
-// in the order of their names ("image2" before "image10"). Fails (kInput): one is not there, a
-// folder without pictures, a file named twice, nothing named at all.
+// The files that arguments name: a file is itself, a folder its .png, .tif, .tiff, .jpg and .jpeg, in the order
+// of their names ("image2" before "image10"). Fails (kInput): one is not there, a folder without
+// pictures, a file named twice, nothing named at all.
 Result<std::vector<std::filesystem::path>> ListPictures(const std::vector<std::string>& arguments);
 
 struct GreyPicture {
@@ -20,8 +20,8 @@ struct GreyPicture {
   std::vector<std::string> remarks;  // in words, without the file's name
 };
 
-// PNG, TIFF of 8 or 16 bits, JPEG; colour becomes its brightness. A photograph that asks to be
-// turned (EXIF) is kept as the sensor has it, with a remark. Fails (kInput) with the file's name.
+// PNG, TIFF of 8 or 16 bits, JPEG; colour becomes its brightness. A photograph that asks to be turned
+// (EXIF) is kept as the sensor has it, with a remark. Fails (kInput) with the file's name.
 Result<GreyPicture> ReadGreyPicture(const std::filesystem::path& path);
 
 // The size that most pictures have (of as many, the first), and which have another. Empty sizes, of

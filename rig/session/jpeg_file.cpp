@@ -1,5 +1,5 @@
-// JPEG by libjpeg. Its errors jump over this file's frames, so that nothing with a destructor is
-// made between setjmp and the last call.
+// JPEG by libjpeg. Its errors jump over this file's frames, so that nothing with a destructor is made
+// between setjmp and the last call.
 #include "rig/session/jpeg_file.h"
 
 #include <cstdio>
@@ -36,8 +36,7 @@ Reader& ReaderOf(j_common_ptr jpeg) { return *static_cast<Reader*>(jpeg->client_
   std::longjmp(reader.back, 1);
 }
 
-// Warnings are of damage that libjpeg fills with grey: no measurement. Bytes between two markers
-// are none.
+// Warnings are of damage that libjpeg fills with grey: no measurement. Bytes between two markers are none.
 void OnMessage(j_common_ptr jpeg, int level) {
   if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA) JumpBack(jpeg);
 }

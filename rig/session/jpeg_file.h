@@ -1,5 +1,4 @@
-// JPEG photographs, which people calibrate with. Sessions hold none: their pictures are without
-// loss.
+// JPEG photographs, which people calibrate with. Sessions hold none: their pictures are without loss.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,14 +9,13 @@
 namespace turnlight::rig {
 
 struct JpegPicture {
-  cv::Mat grey;  // CV_8U: the file's brightness channel, or that of its R, G, B
-  int orientation =
-      1;  // of EXIF, 1 to 8: how to turn the picture for the eye; 1 if it says nothing
+  cv::Mat grey;         // CV_8U: the file's brightness channel, or that of its R, G, B
+  int orientation = 1;  // of EXIF, 1 to 8: how to turn the picture for the eye; 1 if it says nothing
 };
 
-// Rows and columns are those of the sensor: the picture is not turned. `file` names it in messages.
-// Fails (kInput): not a JPEG file, damaged or truncated, more than 2^28 pixels, more than 100
-// passes, neither grey nor colour of three channels, more than 8 bits.
+// Rows and columns are those of the sensor: the picture is not turned. `file` names it in messages. Fails
+// (kInput): not a JPEG file, damaged or truncated, more than 2^28 pixels, more than 100 passes,
+// neither grey nor colour of three channels, more than 8 bits.
 Result<JpegPicture> DecodeJpeg(const std::string& bytes, const std::string& file);
 
 }  // namespace turnlight::rig

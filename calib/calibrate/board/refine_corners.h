@@ -16,12 +16,10 @@ std::optional<Eigen::Vector2d> RefineCorner(const cv::Mat& picture, const Eigen:
 // All corners of a lattice; drops those that are led away.
 void RefineCorners(const cv::Mat& picture, CornerLattice& lattice);
 
-// Does each point lie where a plane under a lens has it: a homography, and a polynomial of the
-// third or fourth degree on top for the lens, fitted robustly? places: on the board, any unit.
-// step: pixels between neighbouring points; a paper's waves are a few hundredths of it, and no
-// fault.
+// Does each point lie where a plane under a lens has it: a homography, and a cubic on top for the
+// lens, fitted robustly? places: on the board, any unit.
 std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
-                          const std::vector<Eigen::Vector2d>& pixels, double step);
+                          const std::vector<Eigen::Vector2d>& pixels);
 
 // Drops corners that are not regular.
 void DropOutliers(CornerLattice& lattice);
