@@ -96,9 +96,27 @@ bool Overlap(const CornerLattice& a, const CornerLattice& b) {
   return same >= 2;
 }
 
+// Is it the same board and not numbered, with a further row or column?
+bool GoesBeyond(const Candidate& candidate, const Candidate& numbered) {
+  constexpr double kMostOfALine = 0.7;
+  const CornerLattice& board = numbered.lattice;
+  return !candidate.numbered &&
+         static_cast<double>(candidate.lattice.Count()) >=
+             static_cast<double>(board.Count()) +
+                 kMostOfALine * std::min(board.columns, board.rows) &&
+         Overlap(board, candidate.lattice);
+}
+
 // The best of those that lie over each other: numbered, then with the most corners, then of the
 // finest scale.
-std::vector<Candidate> BestApart(std::vector<Candidate> candidates) {
+std::vector<Candidate> BestApart(const std::vector<Candidate>& all) {
+  // A board of the size asked for is none if another scale sees that it goes on.
+  std::vector<Candidate> candidates;
+  for (const Candidate& candidate : all) {
+    const auto beyond = [&](const Candidate& other) { return GoesBeyond(other, candidate); };
+    if (!candidate.numbered || std::none_of(all.begin(), all.end(), beyond))
+      candidates.push_back(candidate);
+  }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     if (a.numbered != b.numbered) return a.numbered;
     return a.lattice.Count() > b.lattice.Count();
@@ -141,7 +159,7 @@ Detection DetectChessboards(const cv::Mat& picture, const cv::Mat& levelled, con
   }
   Detection detection;
   std::vector<std::string> left_out;
-  for (const Candidate& candidate : BestApart(std::move(candidates))) {
+  for (const Candidate& candidate : BestApart(candidates)) {
     if (candidate.numbered)
       detection.boards.push_back(BoardFrom(picture, levelled, candidate.lattice));
     else if (!candidate.reason.empty())

@@ -11,12 +11,15 @@
 #include "calib/calibrate/board/marker_layout.h"
 #include "calib/calibrate/board/refine_corners.h"
 #include "calib/calibrate/board/refine_quad.h"
+#include "calib/calibrate/board/saddle_points.h"
 #include "calib/calibrate/board/view_quality.h"
 
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr std::size_t kNearest = 6;  // markers from which a ChArUco corner is expected
+constexpr std::size_t kLeastPoints = 8;  // a pose of fewer is anyone's guess
+constexpr double kLook = 0.75;           // of the distance to the next foreign edge
+constexpr std::size_t kNearest = 6;      // markers from which a ChArUco corner is expected
 
 std::vector<SeenMarker> FindMarkers(const cv::Mat& bytes, const Board& board, int border_bits) {
   auto parameters = cv::aruco::DetectorParameters::create();
@@ -112,7 +115,10 @@ CornerLattice CharucoCorners(const cv::Mat& levelled, const Board& board, const 
       for (const double y : {-margin, margin})
         reach =
             std::min(reach, (Map(*homography, place + Eigen::Vector2d(x, y)) - expected).norm());
-    if (std::isfinite(reach)) lattice.corners.back() = RefineCorner(levelled, expected, reach);
+    if (!std::isfinite(reach)) continue;
+    const auto refined = RefineCorner(levelled, expected, reach);
+    // Something in front of it would make it look otherwise.
+    if (refined && SaddleAt(levelled, *refined, kLook * reach)) lattice.corners.back() = refined;
   }
   DropOutliers(lattice);
   return lattice;
@@ -144,7 +150,8 @@ DetectedBoard TagGridFrom(const cv::Mat& levelled, const Board& board, const Fit
     double side = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 4; ++k)
       side = std::min(side, (marker.corners[k] - marker.corners[(k + 1) % 4]).norm());
-    const auto refined = RefineQuad(levelled, marker.corners, std::max(1.5, 0.8 * even * side));
+    const auto refined =
+        RefineQuad(levelled, marker.corners, std::clamp(0.5 * even * side, 1.5, 4.0));
     if (!refined) continue;
     for (std::size_t k = 0; k < 4; ++k) {
       edges.push_back({(*refined)[k], (*refined)[(k + 1) % 4], 0.8 * even * side});
@@ -201,7 +208,7 @@ Detection DetectMarkerBoards(const cv::Mat& picture, const cv::Mat& levelled, co
   while (const auto fit = TakeBoard(seen, board)) {
     DetectedBoard found = board.kind == BoardKind::kCharuco ? CharucoFrom(levelled, board, *fit)
                                                             : TagGridFrom(levelled, board, *fit);
-    if (found.view.points.size() < 4) continue;
+    if (found.view.points.size() < kLeastPoints) continue;
     found.saturated = SaturatedShare(picture, levelled, found.view);
     detection.boards.push_back(std::move(found));
   }

@@ -111,19 +111,16 @@ std::pair<bool, double> Preference(const CornerLattice& lattice) {
 Result<CornerLattice> NumberLattice(const cv::Mat& picture, const CornerLattice& lattice,
                                     const Board& board) {
   std::vector<CornerLattice> ways;
-  bool fits = false;
-  bool two_ends = false;
+  bool may_be_part = false;
   for (int turn = 0; turn < 4; ++turn) {
     const CornerLattice turned = Turned(lattice, turn);
     if (turned.columns > board.columns || turned.rows > board.rows) continue;
-    fits = true;
     const int column = FirstColumn(picture, turned, board.columns);
     const int row = FirstColumn(picture, Turned(turned, 3), board.rows);
-    two_ends =
-        two_ends || (column == kTwoEnds && row != kNoEnd) || (row == kTwoEnds && column != kNoEnd);
+    may_be_part = may_be_part || (column != kTwoEnds && row != kTwoEnds);
     if (column >= 0 && row >= 0) ways.push_back(Placed(turned, board, column, row));
   }
-  if (ways.empty() && (!fits || two_ends)) return InputError(OtherSize(lattice, board));
+  if (ways.empty() && !may_be_part) return InputError(OtherSize(lattice, board));
   if (ways.empty())
     return InputError(
         Format("a part of a board, %d x %d inner corners, was left out: which of its "

@@ -11,8 +11,10 @@ namespace {
 
 constexpr int kPlaces = 15;           // along a side
 constexpr double kFirstPlace = 0.12;  // of it, from a corner
-constexpr double kStep = 0.25;        // pixels, across
-constexpr double kLeastStep = 20.0;   // of 255 levels, from dark to bright
+constexpr int kPasses =
+    5;  // each from where the last one found it, so that the reach is even on both sides
+constexpr double kStep = 0.25;       // pixels, across
+constexpr double kLeastStep = 20.0;  // of 255 levels, from dark to bright
 
 // How far the edge is from a point, along its normal: the mean place of the rise in level.
 std::optional<double> EdgeAt(const cv::Mat& picture, const Eigen::Vector2d& point,
@@ -58,8 +60,7 @@ std::optional<Line> SideLine(const cv::Mat& picture, const Eigen::Vector2d& p,
 
 std::optional<Quad> RefineQuad(const cv::Mat& picture, const Quad& corners, double reach) {
   Quad refined = corners;
-  // Again from where the first pass found it, so that the reach is even on both sides.
-  for (int pass = 0; pass < 2; ++pass) {
+  for (int pass = 0; pass < kPasses; ++pass) {
     std::array<Line, 4> sides;
     for (std::size_t i = 0; i < 4; ++i) {
       const auto side = SideLine(picture, refined[i], refined[(i + 1) % 4], reach);
@@ -69,7 +70,7 @@ std::optional<Quad> RefineQuad(const cv::Mat& picture, const Quad& corners, doub
     Quad crossed;
     for (std::size_t i = 0; i < 4; ++i) {
       crossed[i] = sides[(i + 3) % 4].intersection(sides[i]);
-      if (!((crossed[i] - corners[i]).norm() < 2.0 * reach + 1.5)) return std::nullopt;
+      if (!((crossed[i] - corners[i]).norm() < reach + 2.0)) return std::nullopt;
     }
     refined = crossed;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 namespace turnlight::calib::calibrate::board {
 namespace {
@@ -52,11 +51,12 @@ std::vector<Peak> Peaks(const cv::Mat& response) {
 double Angle(int sample) { return 2.0 * std::numbers::pi * sample / kRingSamples; }
 
 // Levels on the circle, the mean of three neighbours each.
-std::array<double, kRingSamples> Ring(const cv::Mat& picture, const Eigen::Vector2d& centre) {
+std::array<double, kRingSamples> Ring(const cv::Mat& picture, const Eigen::Vector2d& centre,
+                                      double radius) {
   std::array<double, kRingSamples> raw;
   for (int i = 0; i < kRingSamples; ++i)
     raw[static_cast<std::size_t>(i)] =
-        LevelAt(picture, centre + kRing * Eigen::Vector2d(std::cos(Angle(i)), std::sin(Angle(i))));
+        LevelAt(picture, centre + radius * Eigen::Vector2d(std::cos(Angle(i)), std::sin(Angle(i))));
   std::array<double, kRingSamples> ring;
   for (std::size_t i = 0; i < ring.size(); ++i)
     ring[i] = (raw[(i + raw.size() - 1) % raw.size()] + raw[i] + raw[(i + 1) % raw.size()]) / 3.0;
@@ -86,9 +86,25 @@ std::optional<double> LineAngle(double first, double second) {
   return first + bend / 2.0;
 }
 
-std::optional<Saddle> SaddleAt(const cv::Mat& picture, const Peak& peak) {
-  const Eigen::Vector2d centre(peak.column, peak.row);
-  const auto ring = Ring(picture, centre);
+}  // namespace
+
+double LevelAt(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
+  const double x = std::clamp(pixel.x(), 0.0, picture.cols - 1.0);
+  const double y = std::clamp(pixel.y(), 0.0, picture.rows - 1.0);
+  const int column = std::min(static_cast<int>(x), std::max(picture.cols - 2, 0));
+  const int row = std::min(static_cast<int>(y), std::max(picture.rows - 2, 0));
+  const double u = x - column;
+  const double v = y - row;
+  const auto* above = picture.ptr<float>(row) + column;
+  const auto* below = picture.ptr<float>(std::min(row + 1, picture.rows - 1)) + column;
+  const int next = picture.cols > 1 ? 1 : 0;
+  return (above[0] * (1.0 - u) + above[next] * u) * (1.0 - v) +
+         (below[0] * (1.0 - u) + below[next] * u) * v;
+}
+
+std::optional<Saddle> SaddleAt(const cv::Mat& picture, const Eigen::Vector2d& centre,
+                               double radius) {
+  const auto ring = Ring(picture, centre, radius);
   const auto [low, high] = std::minmax_element(ring.begin(), ring.end());
   const double middle = (*low + *high) / 2.0;
   if (*high - *low < kLeastContrast) return std::nullopt;
@@ -107,27 +123,12 @@ std::optional<Saddle> SaddleAt(const cv::Mat& picture, const Peak& peak) {
   return saddle;
 }
 
-}  // namespace
-
-double LevelAt(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
-  const double x = std::clamp(pixel.x(), 0.0, picture.cols - 1.0);
-  const double y = std::clamp(pixel.y(), 0.0, picture.rows - 1.0);
-  const int column = std::min(static_cast<int>(x), std::max(picture.cols - 2, 0));
-  const int row = std::min(static_cast<int>(y), std::max(picture.rows - 2, 0));
-  const double u = x - column;
-  const double v = y - row;
-  const auto* above = picture.ptr<float>(row) + column;
-  const auto* below = picture.ptr<float>(std::min(row + 1, picture.rows - 1)) + column;
-  const int next = picture.cols > 1 ? 1 : 0;
-  return (above[0] * (1.0 - u) + above[next] * u) * (1.0 - v) +
-         (below[0] * (1.0 - u) + below[next] * u) * v;
-}
-
 std::vector<Saddle> FindSaddles(const cv::Mat& picture) {
   auto peaks = Peaks(SaddleResponse(picture));
   std::vector<std::pair<float, Saddle>> found;
   for (const Peak& peak : peaks)
-    if (const auto saddle = SaddleAt(picture, peak)) found.emplace_back(peak.response, *saddle);
+    if (const auto saddle = SaddleAt(picture, Eigen::Vector2d(peak.column, peak.row), kRing))
+      found.emplace_back(peak.response, *saddle);
   if (found.size() > kMostSaddles) {
     std::vector<float> responses;
     for (const auto& entry : found) responses.push_back(entry.first);

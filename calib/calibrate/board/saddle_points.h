@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace turnlight::calib::calibrate::board {
@@ -22,6 +23,11 @@ struct Saddle {
 
 // The value at a place within the picture, bilinear; CV_32F, one channel. Outside: the border's.
 double LevelAt(const cv::Mat& picture, const Eigen::Vector2d& pixel);
+
+// The saddle at a place, if the circle of that radius around it looks like one. picture: CV_32F,
+// levels 0 to 255.
+std::optional<Saddle> SaddleAt(const cv::Mat& picture, const Eigen::Vector2d& centre,
+                               double radius);
 
 // picture: CV_32F, one channel, levels 0 to 255. The strongest 3000, in the order of rows.
 std::vector<Saddle> FindSaddles(const cv::Mat& picture);
