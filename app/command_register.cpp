@@ -225,7 +225,7 @@ Result<HandheldSession> Register(const RegisterArguments& arguments) {
   if (const Status status = CheckNewFolder(arguments.out); !status) return Forward(status);
   auto lens = ReadCalibratedLens(arguments.camera);
   if (!lens) return Forward(lens);
-  HandheldSession session{.name = arguments.name, .camera = lens->camera};
+  HandheldSession session{arguments.name, lens->camera, {}, {}, {}, {}};
   auto seen = See(arguments, session);
   if (!seen) return Forward(seen);
   seen->options.step_deg = arguments.step_deg;
