@@ -74,7 +74,11 @@ Region FindRegion(const cv::Mat1b& mask, const BallView& view) {
       if (!seen || seen->cosine < kRimCosine) usable(row, column) = 0;
     }
   }
-  const cv::Rect box = cv::boundingRect(usable);
+  // With what bounds it, so that a spot that is cut is seen to be.
+  cv::Rect box = cv::boundingRect(usable);
+  if (box.empty()) return {};
+  box = cv::Rect(box.x - 1, box.y - 1, box.width + 2, box.height + 2) &
+        cv::Rect({0, 0}, usable.size());
   return {box, usable(box).clone()};
 }
 
