@@ -86,9 +86,8 @@ Status WritePictures(const std::vector<probe::ProbeSession>& sessions, std::size
                                               probe::SpotsPicture(sessions, view, found));
         !status)
       return status;
-  return rig::WriteImage(
-      out / "sky.png",
-      probe::SkyPicture(sessions, found, sessions.front().session->length_unit));
+  return rig::WriteImage(out / "sky.png",
+                         probe::SkyPicture(sessions, found, sessions.front().session->length_unit));
 }
 
 std::string Report(const std::vector<probe::ProbeSession>& sessions,
@@ -96,28 +95,28 @@ std::string Report(const std::vector<probe::ProbeSession>& sessions,
   std::string text;
   for (const probe::ProbeSession& session : sessions) {
     if (session.center_T)
-      text += session.session->name +
-              Format(": ball's centre in T %.4g %.4g %.4g, sigma %.2g %.2g %.2g",
-                     session.center_T->x(), session.center_T->y(), session.center_T->z(),
-                     session.center_sigma_T->x(), session.center_sigma_T->y(),
-                     session.center_sigma_T->z()) +
-              " " + session.session->length_unit + "\n";
+      text +=
+          session.session->name +
+          Format(": ball's centre in T %.4g %.4g %.4g, sigma %.2g %.2g %.2g", session.center_T->x(),
+                 session.center_T->y(), session.center_T->z(), session.center_sigma_T->x(),
+                 session.center_sigma_T->y(), session.center_sigma_T->z()) +
+          " " + session.session->length_unit + "\n";
     for (const std::string& note : session.notes)
       text += session.session->name + ": " + note + "\n";
   }
   text += Format("%zu light%s", found.lights.size(), found.lights.size() == 1 ? "" : "s") +
           (found.lights.empty() ? ": no compact highlight stands out on the ball\n" : "\n");
   for (std::size_t i = 0; i < found.lights.size(); ++i)
-    text += "  " +
-            probe::LightText(found.lights[i], i + 1, sessions.front().session->length_unit) + "\n";
+    text += "  " + probe::LightText(found.lights[i], i + 1, sessions.front().session->length_unit) +
+            "\n";
   if (!found.candidates.empty()) text += "not called lights:\n";
   for (const probe::ProbeCandidate& candidate : found.candidates)
     text += "  " + probe::CandidateText(candidate) + "\n";
   return text;
 }
 
-Result<probe::Agreement> Compare(const LightsArguments& arguments,
-                                 const probe::ProbeLights& found, const std::string& unit) {
+Result<probe::Agreement> Compare(const LightsArguments& arguments, const probe::ProbeLights& found,
+                                 const std::string& unit) {
   const auto text = ReadFile(arguments.against, kMaxStatedBytes);
   if (!text) return Forward(text);
   const auto stated = probe::ReadStatedLights(*text, arguments.against);
@@ -141,8 +140,7 @@ int CalibrateLights(LightsArguments arguments) {
   const auto sessions = ReadSessions(arguments);
   if (!sessions) return Fail(sessions.error());
   const probe::ProbeInput input = probe::Joined(*sessions);
-  const probe::ProbeLights found =
-      probe::FindLights(input.views, input.spots, input.perturbations);
+  const probe::ProbeLights found = probe::FindLights(input.views, input.spots, input.perturbations);
   std::optional<probe::Agreement> agreement;
   if (!arguments.against.empty()) {
     auto compared = Compare(arguments, found, sessions->front().session->length_unit);
@@ -185,8 +183,10 @@ void AddUncertainties(CLI::App& command, LightsArguments& arguments) {
 void AddCalibrateLights(CLI::App& calibrate, Action& action) {
   CLI::App* command = AddCommand(
       calibrate, "lights",
-      "Where the lights are, measured with a mirror or glossy ball of known radius as the session's "
-      "target: an independent check of an estimate. The lights stand still, the camera goes round or "
+      "Where the lights are, measured with a mirror or glossy ball of known radius as the "
+      "session's "
+      "target: an independent check of an estimate. The lights stand still, the camera goes round "
+      "or "
       "the table turns",
       "turnlight calibrate lights my_ball --sphere-from-outline --against result/result.json "
       "--out lights");

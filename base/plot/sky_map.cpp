@@ -116,8 +116,8 @@ cv::Mat1f CloseGaps(const cv::Mat1f& map) {
 
 std::string SkyAngles(const Vector3d& direction) {
   const cv::Point2d angles = ToAngles(direction);
-  return "azimuth " + FormatFixed(angles.x, 2) + kDegreeSign + ",  zenith " + FormatFixed(angles.y, 2) +
-         kDegreeSign;
+  return "azimuth " + FormatFixed(angles.x, 2) + kDegreeSign + ",  zenith " +
+         FormatFixed(angles.y, 2) + kDegreeSign;
 }
 
 cv::Mat3b SkyMap(const cv::Mat1f& map, const SkyText& text, const std::vector<SkyMark>& marks) {
@@ -137,7 +137,7 @@ cv::Mat3b SkyMap(const cv::Mat1f& map, const SkyText& text, const std::vector<Sk
   const cv::Rect& area = frame.area;
   const int lines = static_cast<int>(marks.size());
   cv::Mat3b page = Page(kLeft + area.width + 2 * kMargin + kBarWidth + kBarLabels,
-                              area.y + area.height + kBelow + lines * kLine + kMargin);
+                        area.y + area.height + kBelow + lines * kLine + kMargin);
   DrawTitle(page, kLeft, text.title);
   Place(page, colours, area.tl());
   for (const SkyMark& mark : marks) DrawMark(page, frame, mark);
@@ -149,16 +149,14 @@ cv::Mat3b SkyMap(const cv::Mat1f& map, const SkyText& text, const std::vector<Sk
     down.push_back({deg / 180.0, std::to_string(deg) + kDegreeSign});
   DrawTicksBelow(page, area, across);
   DrawTicksLeft(page, area, down);
-  DrawText(page, "azimuth", {area.x + 0.5 * area.width, area.y + area.height + 44.0},
-                 kLabel, Align::kCenter);
+  DrawText(page, "azimuth", {area.x + 0.5 * area.width, area.y + area.height + 44.0}, kLabel,
+           Align::kCenter);
   DrawTextUpwards(page, "zenith angle", {22.0, area.y + 0.5 * area.height}, kLabel);
   DrawScaleBeside(page, area, SequentialColour, LinearTicks(top), text.unit);
-  DrawSwatch(page, {area.x + area.width - 110, area.y + area.height + 44}, kUnseen,
-                   "not seen");
+  DrawSwatch(page, {area.x + area.width - 110, area.y + area.height + 44}, kUnseen, "not seen");
   for (int i = 0; i < lines; ++i)
-    DrawText(page, marks[i].words,
-                   {kLeft, area.y + area.height + kBelow + (i + 0.5) * kLine}, kLabel,
-                   Align::kLeft);
+    DrawText(page, marks[i].words, {kLeft, area.y + area.height + kBelow + (i + 0.5) * kLine},
+             kLabel, Align::kLeft);
   return page;
 }
 

@@ -129,8 +129,7 @@ cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
           for (int i = 0; i < samples; ++i)
             sum += world.Radiance(ray((x * samples + i + 0.5) / across - 0.5,
                                       (y * samples + j + 0.5) / across - 0.5));
-        fine(row * kParts + y, column * kParts + x) =
-            static_cast<float>(sum / (samples * samples));
+        fine(row * kParts + y, column * kParts + x) = static_cast<float>(sum / (samples * samples));
       }
     }
   });

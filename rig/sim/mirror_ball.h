@@ -44,9 +44,9 @@ struct MirrorRoom {
   double background = 0.0;  // of what is beside the ball
 };
 
-// Noise-free linear radiance, behind a lens that blurs by a Gaussian of `blur_px` (sigma, pixels; 0:
-// none). A pixel is the mean over its footprint, of 4 x 4 samples, 16 x 16 where it sees an edge of
-// a lamp or of a window.
+// Noise-free linear radiance, behind a lens that blurs by a Gaussian of `blur_px` (sigma, pixels;
+// 0: none). A pixel is the mean over its footprint, of 4 x 4 samples, 16 x 16 where it sees an edge
+// of a lamp or of a window.
 cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
                            const calib::RayGrid& rays, const calib::Pose& X_WC, double blur_px);
 

@@ -70,8 +70,7 @@ struct SeenFrom {
 
 SeenFrom See(const StatedLight& light, const Vector3d& point) {
   if (!light.position) {
-    const Matrix3d tangent =
-        Matrix3d::Identity() - light.direction * light.direction.transpose();
+    const Matrix3d tangent = Matrix3d::Identity() - light.direction * light.direction.transpose();
     return {light.direction, light.direction_sigma * light.direction_sigma * tangent};
   }
   const Vector3d toward = *light.position - point;
@@ -129,9 +128,9 @@ LightAgreement ComparePair(const std::vector<ProbeLight>& lights, std::size_t li
   pair.agrees = pair.angle_sigmas <= kAgreeSigmas;
   pair.words = Format("%.3g deg apart, %.1f sigmas", RadToDeg(pair.angle), pair.angle_sigmas);
   CompareDistance(lights[light], stated[partner], unit, pair);
-  pair.words = Format("light %zu and %zu %s: ", light + 1, partner + 1,
-                      pair.agrees ? "agree" : "differ") +
-               pair.words;
+  pair.words =
+      Format("light %zu and %zu %s: ", light + 1, partner + 1, pair.agrees ? "agree" : "differ") +
+      pair.words;
   return pair;
 }
 
@@ -173,17 +172,16 @@ Agreement CompareLights(const std::vector<ProbeLight>& lights,
     if (RadToDeg(pair.angle) > kPartnersDeg || has_partner[pair.light] || is_partner[pair.stated])
       continue;
     has_partner[pair.light] = is_partner[pair.stated] = true;
-    agreement.lights.push_back(
-        ComparePair(lights, pair.light, stated, pair.stated, length_unit));
+    agreement.lights.push_back(ComparePair(lights, pair.light, stated, pair.stated, length_unit));
   }
   for (std::size_t i = 0; i < lights.size(); ++i)
     if (!has_partner[i])
-      agreement.lights.push_back({i, {}, 0.0, 0.0, {}, {}, false,
-                                  Format("light %zu of the ball is not there", i + 1)});
+      agreement.lights.push_back(
+          {i, {}, 0.0, 0.0, {}, {}, false, Format("light %zu of the ball is not there", i + 1)});
   for (std::size_t k = 0; k < stated.size(); ++k)
     if (!is_partner[k])
-      agreement.lights.push_back({{}, k, 0.0, 0.0, {}, {}, false,
-                                  Format("its light %zu is not seen in the ball", k + 1)});
+      agreement.lights.push_back(
+          {{}, k, 0.0, 0.0, {}, {}, false, Format("its light %zu is not seen in the ball", k + 1)});
   for (const LightAgreement& pair : agreement.lights)
     agreement.agrees = agreement.agrees && pair.agrees;
   return agreement;

@@ -85,11 +85,10 @@ json LightJson(const ProbeLight& light, const std::vector<ProbeSession>& session
   written["scatter"] = light.scatter > 0.0 ? json(light.scatter) : json(nullptr);
   written["budget"] = json::array();
   for (const BudgetItem& item : light.budget)
-    written["budget"].push_back(
-        {{"item", item.item},
-         {"direction_sigma_deg", RadToDeg(item.direction_sigma)},
-         {"inverse_distance_sigma",
-          light.near ? json(item.inverse_distance_sigma) : json(nullptr)}});
+    written["budget"].push_back({{"item", item.item},
+                                 {"direction_sigma_deg", RadToDeg(item.direction_sigma)},
+                                 {"inverse_distance_sigma",
+                                  light.near ? json(item.inverse_distance_sigma) : json(nullptr)}});
   written["spots"] = json::array();
   for (const SpotIndex& index : light.spots)
     written["spots"].push_back(SpotJson(sessions, index, &light));

@@ -23,10 +23,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kMinPoints = 20;
-constexpr double kMinShare = 0.25;   // of the circumference: less hardly tells the radius
-constexpr double kAgreePx = 1.5;     // of a point with the outline
-constexpr int kSectors = 36;         // of the circumference: what is next to each other errs together
-constexpr int kDraws = 400;          // of three points
+constexpr double kMinShare = 0.25;  // of the circumference: less hardly tells the radius
+constexpr double kAgreePx = 1.5;    // of a point with the outline
+constexpr int kSectors = 36;  // of the circumference: what is next to each other errs together
+constexpr double kLopsidedPx = 0.05;  // of an outline whose background is bright on one side
+constexpr int kDraws = 400;           // of three points
 
 // Rays at half-angle `opening` about the axis.
 struct Cone {
@@ -60,8 +61,8 @@ std::optional<Cone> BestOfThrees(const std::vector<Vector3d>& rays, double withi
   std::size_t most = 0;
   const auto pick = [&](int index) {
     const double share = random.Uniform(static_cast<std::uint64_t>(index));
-    return rays[std::min(rays.size() - 1, static_cast<std::size_t>(
-                                              share * static_cast<double>(rays.size())))];
+    return rays[std::min(rays.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(rays.size())))];
   };
   for (int i = 0; i < kDraws; ++i) {
     const auto cone = ThroughThree(pick(3 * i), pick(3 * i + 1), pick(3 * i + 2));
@@ -83,8 +84,9 @@ int SectorOf(const Cone& cone, const Vector3d& ray) {
 
 struct Refined {
   Cone cone;
-  Matrix3d covariance = Matrix3d::Zero();  // of steps of the axis along Across(axis), and the opening
-  double rms = 0.0;                        // radians
+  Matrix3d covariance =
+      Matrix3d::Zero();  // of steps of the axis along Across(axis), and the opening
+  double rms = 0.0;      // radians
   std::size_t points = 0;
   int sectors = 0;
 };
@@ -132,11 +134,40 @@ Refined Refine(const Cone& start, const std::vector<Vector3d>& rays, double with
   return refined;
 }
 
+// Where along equally spaced values, which span so many pixels, they change most over about two
+// pixels: the centre of gravity of what changes at least half as much. Nothing if nothing does.
+std::optional<double> MiddleOfStep(const std::vector<double>& values, double span_px) {
+  const std::size_t count = values.size();
+  const std::size_t half = static_cast<std::size_t>(
+      std::clamp(std::lround(static_cast<double>(count - 1) / std::max(span_px, 1.0)), 1L, 20L));
+  std::vector<double> steps(count, 0.0);
+  for (std::size_t k = half; k + half < count; ++k) {
+    const double step = std::abs(values[k + half] - values[k - half]);
+    if (std::isfinite(step)) steps[k] = step;
+  }
+  const auto steepest = std::max_element(steps.begin(), steps.end());
+  if (!(*steepest > 0.0)) return std::nullopt;
+  const std::size_t top = static_cast<std::size_t>(steepest - steps.begin());
+  std::size_t first = top, last = top;
+  while (first > 0 && steps[first - 1] > 0.5 * *steepest) --first;
+  while (last + 1 < count && steps[last + 1] > 0.5 * *steepest) ++last;
+  double sum = 0.0, moment = 0.0;
+  for (std::size_t k = first; k <= last; ++k) {
+    const double weight = steps[k] - 0.5 * *steepest;
+    sum += weight;
+    moment += weight * static_cast<double>(k);
+  }
+  const double middle = sum > 0.0 ? moment / sum : static_cast<double>(top);
+  return std::min(middle, static_cast<double>(count) - 1.001);
+}
+
 OutlineBall BallOf(const Refined& refined, double radius, double per_pixel, double step_px) {
   OutlineBall ball;
   const double distance = radius / std::sin(refined.cone.opening);
   ball.center_C = distance * refined.cone.axis;
   Matrix3d covariance = refined.covariance;
+  covariance.topLeftCorner<2, 2>() +=
+      kLopsidedPx * kLopsidedPx * per_pixel * per_pixel * Eigen::Matrix2d::Identity();
   covariance(2, 2) += step_px * step_px * per_pixel * per_pixel;
   Matrix3d by;
   by.leftCols<2>() = distance * Across(refined.cone.axis);
@@ -194,19 +225,11 @@ std::vector<Vector2d> EdgeOutline(const cv::Mat1f& grey, const CameraModel& came
                        v * ((1.0 - u) * grey(row + 1, column) + u * grey(row + 1, column + 1)));
     }
     if (values.size() < points.size()) continue;
-    // The middle of the step: steepest over about two pixels.
-    const double px = (points.back() - points.front()).norm() / (kAcross - 1);
-    const int half = std::max(1, static_cast<int>(std::lround(1.0 / px)));
-    double steepest = 0.0;
-    int at = -1;
-    for (int k = half; k + half < kAcross; ++k) {
-      const double step = std::abs(values[k + half] - values[k - half]);
-      if (std::isfinite(step) && step > steepest) {
-        steepest = step;
-        at = k;
-      }
+    if (const auto at = MiddleOfStep(values, (points.back() - points.front()).norm())) {
+      const std::size_t k = static_cast<std::size_t>(*at);
+      const double between = *at - static_cast<double>(k);
+      outline.push_back((1.0 - between) * points[k] + between * points[k + 1]);
     }
-    if (at >= 0) outline.push_back(points[at]);
   }
   return outline;
 }
@@ -217,23 +240,26 @@ Result<OutlineBall> FitOutline(const std::vector<Vector2d>& outline, const Camer
   for (const Vector3d& ray : camera.Unproject(outline))
     if (ray.allFinite()) rays.push_back(ray);
   if (rays.size() < kMinPoints)
-    return InputError(what + Format(": the ball's outline has %zu points, allowed are at least %zu: "
-                                    "give a mask, or a pose near the ball's place",
-                                    rays.size(), kMinPoints));
+    return InputError(what +
+                      Format(": the ball's outline has %zu points, allowed are at least %zu: "
+                             "give a mask, or a pose near the ball's place",
+                             rays.size(), kMinPoints));
   const Vector2d middle = camera.Project({rays.front()}).front();
   const auto beside = camera.Unproject({middle, middle + Vector2d(1.0, 0.0)});
   const double per_pixel = (beside[1] - beside[0]).norm();
   const double within = kAgreePx * per_pixel;
   const auto start = BestOfThrees(rays, within);
   if (!start || 2 * Agreeing(*start, rays, within) < rays.size())
-    return InputError(what + ": the outline is not a ball's: no circular cone has half of its "
-                             "points on it");
+    return InputError(what +
+                      ": the outline is not a ball's: no circular cone has half of its "
+                      "points on it");
   const Refined refined = Refine(*start, rays, within);
   const double share = static_cast<double>(refined.sectors) / kSectors;
   if (refined.points < kMinPoints || share < kMinShare)
-    return InputError(what + Format(": %.0f %% of the ball's outline are seen, allowed are at least "
-                                    "%.0f %%: move the ball into the picture",
-                                    100.0 * share, 100.0 * kMinShare));
+    return InputError(what +
+                      Format(": %.0f %% of the ball's outline are seen, allowed are at least "
+                             "%.0f %%: move the ball into the picture",
+                             100.0 * share, 100.0 * kMinShare));
   const OutlineBall ball = BallOf(refined, radius, per_pixel, step_px);
   if (!ball.center_C.allFinite() || !(ball.center_C.z() > 0.0))
     return InputError(what + ": the outline's ball is not in front of the camera");

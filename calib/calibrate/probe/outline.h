@@ -1,4 +1,5 @@
-// Where a ball is, from its outline: the rays that touch it form a cone about the way to its centre.
+// Where a ball is, from its outline: the rays that touch it form a cone about the way to its
+// centre.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,11 +13,11 @@
 namespace turnlight::calib::calibrate::probe {
 
 struct OutlineBall {
-  Eigen::Vector3d center_C = Eigen::Vector3d::Zero();       // in C, length unit of the radius
+  Eigen::Vector3d center_C = Eigen::Vector3d::Zero();        // in C, length unit of the radius
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // of it
-  double rms_px = 0.0;       // of the points that count, across the outline
-  std::size_t points = 0;    // that count
-  double share_seen = 0.0;   // of the outline's circumference
+  double rms_px = 0.0;      // of the points that count, across the outline
+  std::size_t points = 0;   // that count
+  double share_seen = 0.0;  // of the outline's circumference
 };
 
 // Image points between a mask's pixels (non-zero = ball) and others; where the picture ends there

@@ -34,8 +34,7 @@ cv::Mat3f ThreeChannels(const cv::Mat& radiance) {
 
 // The part of the picture that shows the ball, with a margin.
 cv::Rect BallBox(const BallView& view) {
-  const Vector2d center =
-      view.camera->Project({view.X_WC.Inverse() * view.ball.center}).front();
+  const Vector2d center = view.camera->Project({view.X_WC.Inverse() * view.ball.center}).front();
   const double reach = 1.15 * RadiusInPixels(view);
   const cv::Rect picture(0, 0, view.camera->width(), view.camera->height());
   if (!center.allFinite() || !(reach > 0.0)) return picture;
@@ -72,8 +71,7 @@ std::string DrawLightsSpot(cv::Mat3b& page, const Enlarged& frame, const BallVie
   plot::DrawRing(page, at, kRingRadius);
   plot::DrawOutlinedText(page, std::to_string(number), {at.x + kRingRadius + 5, at.y},
                          plot::Align::kLeft);
-  const double sigma =
-      std::sqrt(0.5 * (spot->noise_covariance + spot->shape_covariance).trace());
+  const double sigma = std::sqrt(0.5 * (spot->noise_covariance + spot->shape_covariance).trace());
   line += predicted ? Format("%.3f px from the prediction", (spot->pixel - *predicted).norm())
                     : std::string("predicted to be hidden");
   return line + Format(",  sigma %.3f px", sigma) + (spot->clipped ? ",  clipped" : "");
@@ -99,8 +97,8 @@ void AddToSky(const BallView& view, const cv::Mat& radiance, cv::Mat1d& sum, cv:
       const Vector3d& d = seen->direction;
       const double azimuth = std::atan2(d.y(), d.x()) / (2.0 * std::numbers::pi);
       const double zenith = std::acos(std::clamp(d.z(), -1.0, 1.0)) / std::numbers::pi;
-      const int x = std::min(sum.cols - 1, static_cast<int>((azimuth < 0.0 ? azimuth + 1.0 : azimuth) *
-                                                            sum.cols));
+      const int x = std::min(
+          sum.cols - 1, static_cast<int>((azimuth < 0.0 ? azimuth + 1.0 : azimuth) * sum.cols));
       const int y = std::min(sum.rows - 1, static_cast<int>(zenith * sum.rows));
       const cv::Vec3f value = picture(row, column);
       const double grey = (value[0] + value[1] + value[2]) / 3.0;
@@ -170,8 +168,8 @@ cv::Mat3b SkyPicture(const std::vector<ProbeSession>& sessions, const ProbeLight
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.cols; ++column)
       if (count(row, column) > 0.0)
-        map(row, column) = static_cast<float>(
-            std::sqrt(std::max(0.0, sum(row, column) / count(row, column))));
+        map(row, column) =
+            static_cast<float>(std::sqrt(std::max(0.0, sum(row, column) / count(row, column))));
   std::vector<plot::SkyMark> marks;
   for (std::size_t i = 0; i < found.lights.size(); ++i) {
     const ProbeLight& light = found.lights[i];
@@ -182,9 +180,10 @@ cv::Mat3b SkyPicture(const std::vector<ProbeSession>& sessions, const ProbeLight
                length_unit + " away";
     marks.push_back({light.direction, 3.0 * light.sigma.direction, std::to_string(i + 1), words});
   }
-  return plot::SkyMap(map, {"What the ball reflects, by direction, and the lights found",
-                            "root of the share of white"},
-                      marks);
+  return plot::SkyMap(
+      map,
+      {"What the ball reflects, by direction, and the lights found", "root of the share of white"},
+      marks);
 }
 
 }  // namespace turnlight::calib::calibrate::probe

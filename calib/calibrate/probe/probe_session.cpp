@@ -78,11 +78,10 @@ Status Outline(const FramePicture& picture, const std::string& label, const Pose
   const auto points = masked ? MaskOutline(picture.mask)
                              : EdgeOutline(GreyPicture(picture.linear.radiance), *view.camera,
                                            guess_C, view.ball.radius);
-  const auto ball = FitOutline(points, *view.camera, view.ball.radius,
-                               masked ? kMaskStep : kEdgeStep, label);
+  const auto ball =
+      FitOutline(points, *view.camera, view.ball.radius, masked ? kMaskStep : kEdgeStep, label);
   if (!ball) return Forward(ball);
-  place.Add(X_TC * ball->center_C,
-            X_TC.rotation * ball->covariance * X_TC.rotation.transpose());
+  place.Add(X_TC * ball->center_C, X_TC.rotation * ball->covariance * X_TC.rotation.transpose());
   return {};
 }
 
@@ -120,10 +119,10 @@ void AddTable(const std::string& item, const rig::Session& session, ProbeSession
   AddPerturbation(
       item, probe.views,
       [&](std::size_t i, BallView& view) {
-        const double angle =
-            session.frames[i].angle_measured_deg.value_or(session.frames[i].angle_deg.value_or(0.0));
-        view.ball.center = PosesAt(after, angle).X_WT *
-                           (PosesAt(before, angle).X_WT.Inverse() * view.ball.center);
+        const double angle = session.frames[i].angle_measured_deg.value_or(
+            session.frames[i].angle_deg.value_or(0.0));
+        view.ball.center =
+            PosesAt(after, angle).X_WT * (PosesAt(before, angle).X_WT.Inverse() * view.ball.center);
       },
       probe.perturbations);
 }
@@ -196,8 +195,7 @@ Status ReadFrames(const ProbeOptions& options, const std::function<bool()>& step
     if (!picture) return Forward(picture);
     BallView view{&*session.camera, probe.rays.get(), frame.X_WC, {frame.X_WT.translation, radius}};
     if (options.sphere_from_outline) {
-      const std::string label =
-          session.root.string() + ": " + rig::FrameLabel(i, frame.angle_deg);
+      const std::string label = session.root.string() + ": " + rig::FrameLabel(i, frame.angle_deg);
       const Status status =
           Outline(*picture, label, frame.X_WT.Inverse() * frame.X_WC, view, place);
       if (!status) return status;

@@ -22,7 +22,8 @@ struct ProbeOptions {
   // Where the ball is on the table is found from its outlines (masks, or edges in the pictures near
   // where the session says), one place in T for all frames; otherwise the session says.
   bool sphere_from_outline = false;
-  double center_sigma = 0.0;  // length unit, per axis of T; of the session's place, not the outlines'
+  double center_sigma =
+      0.0;  // length unit, per axis of T; of the session's place, not the outlines'
   double radius_sigma = 0.0;  // length unit
   // Whose covariances of X_WC, X_WA and X_AT are propagated.
   std::optional<rig::RigCalibration> calibration;
@@ -34,7 +35,7 @@ struct ProbeSession {
   std::vector<BallView> views;           // of the frames
   std::vector<std::vector<Spot>> spots;  // of the frames
   std::vector<Perturbation> perturbations;
-  std::vector<cv::Mat> pictures;  // linear radiance, of the frames
+  std::vector<cv::Mat> pictures;            // linear radiance, of the frames
   std::optional<Eigen::Vector3d> center_T;  // from outlines
   std::optional<Eigen::Vector3d> center_sigma_T;
   std::vector<std::string> notes;  // for people, one sentence each

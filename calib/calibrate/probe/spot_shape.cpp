@@ -29,7 +29,7 @@ constexpr double kAboveNoise = 4.0;
 constexpr double kBlur = 0.6;
 // Pixels. What sampling leaves of a small spot's place; half of a pixel is lost at a clipped edge.
 constexpr double kOpenFloor = 0.01;
-constexpr double kClippedFloor = 0.04;
+constexpr double kClippedFloor = 0.05;
 
 struct Weighted {
   Vector2d pixel;  // of the picture
@@ -180,8 +180,9 @@ std::optional<Vector2d> MeasurePlace(const SpotMaps& maps, const Peak& peak, con
   Matrix2d shape = Matrix2d::Zero();
   for (std::size_t i = 0; i < kOpenLevels.size(); ++i) {
     bool cut = false;
-    const double share = spot.clipped ? kClippedLevels[i]
-                                      : std::max(kOpenLevels[i], kAboveNoise * maps.noise / spot.peak);
+    const double share = spot.clipped
+                             ? kClippedLevels[i]
+                             : std::max(kOpenLevels[i], kAboveNoise * maps.noise / spot.peak);
     const cv::Mat1b flooded = WithRim(maps, peak, share, &cut);
     const double level = std::max(share * spot.peak, double{peak.saddle});
     const auto pixels = Above(maps, flooded, level);

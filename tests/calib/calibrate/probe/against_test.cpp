@@ -115,10 +115,11 @@ TEST(Against, FilesOfLightsAreRead) {
 }
 
 TEST(Against, OtherFilesAreRefused) {
-  for (const char* text : {"{", "[]", "{}", R"({"lights": 3})", R"({"lights": [{}]})",
-                           R"({"lights": [{"direction": [0, 0, 0]}]})",
-                           R"({"lights": [{"direction": [0, 0, 1], "distance": -1}]})",
-                           R"({"lights": [{"direction": [0, 0, 1], "position_covariance": [1]}]})"}) {
+  for (const char* text :
+       {"{", "[]", "{}", R"({"lights": 3})", R"({"lights": [{}]})",
+        R"({"lights": [{"direction": [0, 0, 0]}]})",
+        R"({"lights": [{"direction": [0, 0, 1], "distance": -1}]})",
+        R"({"lights": [{"direction": [0, 0, 1], "position_covariance": [1]}]})"}) {
     const auto lights = ReadStatedLights(text, "a.json");
     ASSERT_FALSE(lights) << text;
     EXPECT_EQ(lights.error().kind, ErrorKind::kInput);

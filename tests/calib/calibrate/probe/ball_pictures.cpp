@@ -14,7 +14,8 @@ BallStudio::BallStudio(const BallPictures& pictures)
                                   0.5 * (pictures.width - 1), 0.5 * (pictures.height - 1))),
       rays(camera) {
   for (int i = 0; i < pictures.views; ++i)
-    views.push_back({&camera, &rays,
+    views.push_back({&camera,
+                     &rays,
                      LookAtOrigin(DegToRad(pictures.arc_deg * i / pictures.views),
                                   DegToRad(pictures.elevation_deg), pictures.camera_distance),
                      {pictures.ball.center, pictures.ball.radius}});

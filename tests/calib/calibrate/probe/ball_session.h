@@ -7,7 +7,8 @@
 
 namespace turnlight::calib::calibrate::probe {
 
-// 16-bit pictures, with masks if asked for. The session says that the ball is `off` from where it is.
+// 16-bit pictures, with masks if asked for. The session says that the ball is `off` from where it
+// is.
 void WriteBallSession(const BallPictures& pictures, bool masks, const Eigen::Vector3d& off,
                       const std::filesystem::path& folder);
 

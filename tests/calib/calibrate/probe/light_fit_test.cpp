@@ -46,9 +46,9 @@ TEST(LightFit, ADistantLight) {
 TEST(LightFit, ANearLightAboutAnyPoint) {
   const BallStudio studio(Around(8));
   const Vector3d position(200.0, -300.0, 600.0), reference(5.0, 10.0, -20.0);
-  const auto fit = FitLight(
-      studio.views, Seen(studio, position.normalized(), 1.0 / position.norm(), 0.0), reference,
-      true);
+  const auto fit =
+      FitLight(studio.views, Seen(studio, position.normalized(), 1.0 / position.norm(), 0.0),
+               reference, true);
   ASSERT_TRUE(fit);
   EXPECT_NEAR((reference + fit->u / fit->rho - position).norm(), 0.0, 1e-3);
 }
@@ -56,9 +56,9 @@ TEST(LightFit, ANearLightAboutAnyPoint) {
 TEST(LightFit, NoiseStaysWithinItsSigmas) {
   const BallStudio studio(Around(12));
   const Vector3d position(200.0, -300.0, 600.0);
-  const auto fit = FitLight(
-      studio.views, Seen(studio, position.normalized(), 1.0 / position.norm(), 0.03),
-      Vector3d::Zero(), true);
+  const auto fit =
+      FitLight(studio.views, Seen(studio, position.normalized(), 1.0 / position.norm(), 0.03),
+               Vector3d::Zero(), true);
   ASSERT_TRUE(fit);
   const double rho = 1.0 / position.norm();
   EXPECT_LT(std::abs(fit->rho - rho), 4.0 * std::sqrt(fit->covariance(2, 2)));

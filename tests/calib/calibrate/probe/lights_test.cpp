@@ -106,8 +106,8 @@ TEST(Lights, WhereTheBallIsMayBeUncertain) {
     EXPECT_EQ(light.budget[1].item, "ball centre");
     EXPECT_GT(light.sigma.direction, light.stat.direction);
     const double far = AngleDeg(light.direction, kFar);
-    const double error = std::min(far, AngleDeg(light.direction_at_reference,
-                                                kPosition - light.reference));
+    const double error =
+        std::min(far, AngleDeg(light.direction_at_reference, kPosition - light.reference));
     EXPECT_LT(error, 3.0 * RadToDeg(light.sigma.direction));
   }
 }

@@ -73,8 +73,8 @@ TEST(Outline, OfAPictureNearTheGuess) {
   pictures.room.background = 0.05;
   const BallStudio studio(pictures);
   const Vector3d guess = TruthIn(studio) + Vector3d(0.8, -0.6, 5.0);
-  const auto points = EdgeOutline(cv::Mat1f(TakePicture(pictures, studio, 0).radiance),
-                                  studio.camera, guess, 25.0);
+  const auto points =
+      EdgeOutline(cv::Mat1f(TakePicture(pictures, studio, 0).radiance), studio.camera, guess, 25.0);
   ExpectFound(FitOutline(points, studio.camera, 25.0, 0.15, "frame 0"), studio);
 }
 

@@ -103,8 +103,8 @@ Tallies Study(const Case& which) {
     const BallPictures pictures = DrawScene(random, which, draw);
     const BallStudio studio(pictures);
     std::vector<BallView> views = studio.views;
-    const Vector3d error = which.center_sigma *
-                           Vector3d(random.Normal(30), random.Normal(31), random.Normal(32));
+    const Vector3d error =
+        which.center_sigma * Vector3d(random.Normal(30), random.Normal(31), random.Normal(32));
     for (BallView& view : views) view.ball.center += error;
     std::vector<std::vector<Spot>> spots;
     for (std::size_t i = 0; i < views.size(); ++i)
@@ -130,10 +130,11 @@ double LeastShare(double share, int count) {
 void Judge(const Tally& tally, double one, double two, double dimensions, const char* what) {
   if (tally.count == 0) return;
   const double count = tally.count;
-  std::printf("  %s: %d, within 1 sigma %.3f (%.3f), 2 sigma %.3f (%.3f), 3 sigma %.3f, "
-              "mean squared sigmas %.2f (%.0f)\n",
-              what, tally.count, tally.within_one / count, one, tally.within_two / count, two,
-              tally.within_three / count, tally.sum / count, dimensions);
+  std::printf(
+      "  %s: %d, within 1 sigma %.3f (%.3f), 2 sigma %.3f (%.3f), 3 sigma %.3f, "
+      "mean squared sigmas %.2f (%.0f)\n",
+      what, tally.count, tally.within_one / count, one, tally.within_two / count, two,
+      tally.within_three / count, tally.sum / count, dimensions);
   EXPECT_GE(tally.within_one / count, LeastShare(one, tally.count)) << what;
   EXPECT_GE(tally.within_two / count, LeastShare(two, tally.count)) << what;
   EXPECT_GE(tally.within_three / count, 0.97) << what;
@@ -141,10 +142,10 @@ void Judge(const Tally& tally, double one, double two, double dimensions, const 
 }
 
 TEST(ProbeCoverage, SigmasAreRight) {
-  for (const Case& which : {Case{"open", 1e9, 6, 0.0}, Case{"clipped", 1.0, 6, 0.0},
-                            Case{"clipped, centre 0.03", 1.0, 6, 0.03},
-                            Case{"open, one view", 1e9, 1, 0.0},
-                            Case{"clipped, one view", 1.0, 1, 0.0}}) {
+  for (const Case& which :
+       {Case{"open", 1e9, 6, 0.0}, Case{"clipped", 1.0, 6, 0.0},
+        Case{"clipped, centre 0.03", 1.0, 6, 0.03}, Case{"open, one view", 1e9, 1, 0.0},
+        Case{"clipped, one view", 1.0, 1, 0.0}}) {
     const Tallies tallies = Study(which);
     std::printf("%s: worst direction %.3f deg, other than two lights in %d draws\n", which.name,
                 tallies.worst_deg, tallies.missed);

@@ -1,7 +1,7 @@
-// Proves: on simulated balls the lamps' mirror images are found to 0.1 degree, clipped or not, and
-// none of what else shines: the room, windows, the rim, diffuse shading, texture, weaker images,
-// spots that are cut. The simulation reflects exactly but has no dust, no glare and no JPEG but for
-// the one test that imitates it.
+// Proves: on simulated balls the lamps' mirror images are found to 0.05 degree, and to 0.15 where
+// they are 20 times too bright, in a single picture, and none of what else shines: the room,
+// windows, the rim, diffuse shading, texture, weaker images, spots that are cut. The simulation
+// reflects exactly but has no dust, no glare and no JPEG but for the one test that imitates it.
 #include "calib/calibrate/probe/spots.h"
 
 #include <gtest/gtest.h>
@@ -41,8 +41,8 @@ SpotsFound FindIn(const BallPictures& pictures, const BallStudio& studio) {
 }
 
 double ErrorDeg(const BallStudio& studio, const Spot& spot, const Vector3d& truth) {
-  return RadToDeg(std::acos(
-      std::min(1.0, MirrorAt(studio.views.front(), spot.pixel)->direction.dot(truth))));
+  return RadToDeg(
+      std::acos(std::min(1.0, MirrorAt(studio.views.front(), spot.pixel)->direction.dot(truth))));
 }
 
 TEST(Spots, LampsAreWhereTheyAre) {
@@ -58,7 +58,8 @@ TEST(Spots, LampsAreWhereTheyAre) {
         const BallStudio studio(pictures);
         const auto lights = LightsOf(FindIn(pictures, studio));
         ASSERT_EQ(lights.size(), 1u) << radius_deg << " " << white << " " << zenith;
-        EXPECT_LT(ErrorDeg(studio, lights[0], lamp), 0.1)
+        // 20 times too bright, little but the rim tells where a spot is.
+        EXPECT_LT(ErrorDeg(studio, lights[0], lamp), white == 1.0 ? 0.15 : 0.05)
             << radius_deg << " " << white << " " << zenith;
         EXPECT_EQ(lights[0].clipped, white == 1.0);
       }
