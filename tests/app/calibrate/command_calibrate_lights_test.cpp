@@ -35,9 +35,8 @@ TEST(CalibrateLights, FindsTheLampAndComparesIt) {
             R"({"lights": [{"direction": [0, 0.6, 0.8], "direction_sigma_deg": 0.1}]})");
   WriteText(folder / "other.json",
             R"({"lights": [{"direction": [0, 0.65, 0.75], "direction_sigma_deg": 0.1}]})");
-  const Outcome same = RunProgram({"calibrate", "lights", folder / "ball",
-                                   "--sphere-from-outline", "--against", folder / "same.json",
-                                   "--out", folder / "lights"});
+  const Outcome same = RunProgram({"calibrate", "lights", folder / "ball", "--sphere-from-outline",
+                                   "--against", folder / "same.json", "--out", folder / "lights"});
   EXPECT_EQ(same.exit_code, 0) << same.err << same.out;
   EXPECT_THAT(same.out, HasSubstr("1 light\n"));
   EXPECT_THAT(same.out, HasSubstr("they agree within 3 sigmas"));
@@ -45,9 +44,9 @@ TEST(CalibrateLights, FindsTheLampAndComparesIt) {
   EXPECT_EQ(written["lights"].size(), 1u);
   for (const char* picture : {"lights/sky.png", "lights/spots_000.png", "lights/spots_002.png"})
     EXPECT_TRUE(fs::exists(folder / picture)) << picture;
-  const Outcome other = RunProgram({"calibrate", "lights", folder / "ball", "--center-sigma", "0.01",
-                                    "--against", folder / "other.json", "--out",
-                                    folder / "again"});
+  const Outcome other =
+      RunProgram({"calibrate", "lights", folder / "ball", "--center-sigma", "0.01", "--against",
+                  folder / "other.json", "--out", folder / "again"});
   EXPECT_EQ(other.exit_code, 3) << other.err;
   EXPECT_THAT(other.out, HasSubstr("differ"));
 }

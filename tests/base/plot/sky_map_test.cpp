@@ -17,7 +17,8 @@ TEST(SkyMap, AMarkIsAtItsDirection) {
   const cv::Mat3b without = SkyMap(map, {"Title", "unit"}, {});
   const cv::Mat3b with = SkyMap(map, {"Title", "unit"}, {{{0.0, 1.0, 0.0}, 0.0, "1", "1: words"}});
   EXPECT_EQ(with.rows, without.rows + 22);
-  // Azimuth 90 of 360 degrees over 1080 pixels, zenith 90 of 180 over 540, beside the ring's middle.
+  // Azimuth 90 of 360 degrees over 1080 pixels, zenith 90 of 180 over 540, beside the ring's
+  // middle.
   bool drawn = false;
   for (int row = 44 + 270 - 14; row < 44 + 270 + 14; ++row)
     for (int column = 84 + 270 - 14; column < 84 + 270 + 14; ++column)

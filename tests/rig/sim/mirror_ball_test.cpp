@@ -38,8 +38,7 @@ TEST(MirrorBall, ALampIsSeenHalfWay) {
     const double off = std::atan2(25.0 * std::sin(normal), 420.0 - 25.0 * std::cos(normal));
     normal = 0.5 * (M_PI / 3 - off);
   }
-  const double expected =
-      1200.0 * 25.0 * std::sin(normal) / (420.0 - 25.0 * std::cos(normal));
+  const double expected = 1200.0 * 25.0 * std::sin(normal) / (420.0 - 25.0 * std::cos(normal));
   EXPECT_NEAR(at.norm(), expected, 0.05);
 }
 

@@ -104,6 +104,20 @@ TEST(Spots, AWindowIsNoLamp) {
   EXPECT_LT(ErrorDeg(studio, lights[0], Toward(40.0, 45.0)), 0.1);
 }
 
+// Windows that stand askew in the picture have corners that look compact.
+TEST(Spots, NorAreAWindowsCorners) {
+  for (int i = 0; i < 8; ++i) {
+    BallPictures pictures;
+    pictures.noise = 0.003;
+    pictures.white = i % 2 == 0 ? 1.0 : 1e9;
+    pictures.room.ceiling = 0.2;
+    const double size = 0.2 + 0.03 * i;
+    pictures.room.windows = {{Toward(-80.0 + 23.0 * i, 70.0), size, 0.8 * size, 2.0}};
+    const BallStudio studio(pictures);
+    EXPECT_TRUE(LightsOf(FindIn(pictures, studio)).empty()) << i;
+  }
+}
+
 TEST(Spots, AMattBallHasNone) {
   BallPictures pictures;
   pictures.noise = 0.003;
