@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -110,8 +111,11 @@ std::string Report(const std::vector<probe::ProbeSession>& sessions,
     text += "  " + probe::LightText(found.lights[i], i + 1, sessions.front().session->length_unit) +
             "\n";
   if (!found.candidates.empty()) text += "not called lights:\n";
-  for (const probe::ProbeCandidate& candidate : found.candidates)
-    text += "  " + probe::CandidateText(candidate) + "\n";
+  constexpr std::size_t kMostLines = 8;
+  for (std::size_t i = 0; i < std::min(kMostLines, found.candidates.size()); ++i)
+    text += "  " + probe::CandidateText(found.candidates[i]) + "\n";
+  if (found.candidates.size() > kMostLines)
+    text += Format("  and %zu more, see lights.json\n", found.candidates.size() - kMostLines);
   return text;
 }
 

@@ -13,7 +13,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kFine = 16, kCoarse = 4;  // samples per side of a pixel
+// A pixel is rendered in parts, which the lens blurs before the pixel adds them up.
+constexpr int kParts = 4;           // per side
+constexpr int kSamplesAtEdges = 4;  // per side of a part; else one
 
 // Where a lamp is, seen from a point.
 struct SeenLamp {
@@ -107,10 +109,10 @@ class Room {
 cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
                            const calib::RayGrid& rays, const calib::Pose& X_WC, double blur_px) {
   const Room world(ball, room, X_WC.translation);
-  cv::Mat1f picture(rays.height(), rays.width());
-  ParallelFor(static_cast<std::size_t>(picture.rows), [&](std::size_t index) {
+  cv::Mat1f fine(rays.height() * kParts, rays.width() * kParts);
+  ParallelFor(static_cast<std::size_t>(rays.height()), [&](std::size_t index) {
     const int row = static_cast<int>(index);
-    for (int column = 0; column < picture.cols; ++column) {
+    for (int column = 0; column < rays.width(); ++column) {
       const auto ray = [&](double du, double dv) -> Vector3d {
         return X_WC.rotation * rays.Ray(column, row, du, dv);
       };
@@ -118,15 +120,23 @@ cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
       for (const double du : {-0.5, 0.5})
         for (const double dv : {-0.5, 0.5})
           edge = edge || world.MayShowAnEdge(ray(0.0, 0.0), ray(du, dv));
-      const int samples = edge ? kFine : kCoarse;
-      double sum = 0.0;
-      for (int j = 0; j < samples; ++j)
-        for (int i = 0; i < samples; ++i)
-          sum += world.Radiance(ray((i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5));
-      picture(row, column) = static_cast<float>(sum / (samples * samples));
+      const int samples = edge ? kSamplesAtEdges : 1;
+      const int across = kParts * samples;
+      for (int part = 0; part < kParts * kParts; ++part) {
+        const int x = part % kParts, y = part / kParts;
+        double sum = 0.0;
+        for (int j = 0; j < samples; ++j)
+          for (int i = 0; i < samples; ++i)
+            sum += world.Radiance(ray((x * samples + i + 0.5) / across - 0.5,
+                                      (y * samples + j + 0.5) / across - 0.5));
+        fine(row * kParts + y, column * kParts + x) = static_cast<float>(sum / (samples * samples));
+      }
     }
   });
-  if (blur_px > 0.0) cv::GaussianBlur(picture, picture, {}, blur_px, blur_px, cv::BORDER_REPLICATE);
+  if (blur_px > 0.0)
+    cv::GaussianBlur(fine, fine, {}, kParts * blur_px, kParts * blur_px, cv::BORDER_REPLICATE);
+  cv::Mat1f picture;
+  cv::resize(fine, picture, {rays.width(), rays.height()}, 0.0, 0.0, cv::INTER_AREA);
   return picture;
 }
 

@@ -45,8 +45,8 @@ struct MirrorRoom {
 };
 
 // Noise-free linear radiance, behind a lens that blurs by a Gaussian of `blur_px` (sigma, pixels;
-// 0: none). A pixel is the mean over its footprint; footprints that see an edge of a lamp are
-// sampled 16 x 16 times, others 4 x 4 times.
+// 0: none). A pixel is the mean over its footprint, of 4 x 4 samples, 16 x 16 where it sees an edge
+// of a lamp or of a window.
 cv::Mat1f RenderMirrorBall(const MirrorBall& ball, const MirrorRoom& room,
                            const calib::RayGrid& rays, const calib::Pose& X_WC, double blur_px);
 

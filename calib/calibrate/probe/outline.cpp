@@ -26,7 +26,8 @@ constexpr std::size_t kMinPoints = 20;
 constexpr double kMinShare = 0.25;  // of the circumference: less hardly tells the radius
 constexpr double kAgreePx = 1.5;    // of a point with the outline
 constexpr int kSectors = 36;  // of the circumference: what is next to each other errs together
-constexpr int kDraws = 400;   // of three points
+constexpr double kLopsidedPx = 0.05;  // of an outline whose background is bright on one side
+constexpr int kDraws = 400;           // of three points
 
 // Rays at half-angle `opening` about the axis.
 struct Cone {
@@ -133,11 +134,40 @@ Refined Refine(const Cone& start, const std::vector<Vector3d>& rays, double with
   return refined;
 }
 
+// Where along equally spaced values, which span so many pixels, they change most over about two
+// pixels: the centre of gravity of what changes at least half as much. Nothing if nothing does.
+std::optional<double> MiddleOfStep(const std::vector<double>& values, double span_px) {
+  const std::size_t count = values.size();
+  const std::size_t half = static_cast<std::size_t>(
+      std::clamp(std::lround(static_cast<double>(count - 1) / std::max(span_px, 1.0)), 1L, 20L));
+  std::vector<double> steps(count, 0.0);
+  for (std::size_t k = half; k + half < count; ++k) {
+    const double step = std::abs(values[k + half] - values[k - half]);
+    if (std::isfinite(step)) steps[k] = step;
+  }
+  const auto steepest = std::max_element(steps.begin(), steps.end());
+  if (!(*steepest > 0.0)) return std::nullopt;
+  const std::size_t top = static_cast<std::size_t>(steepest - steps.begin());
+  std::size_t first = top, last = top;
+  while (first > 0 && steps[first - 1] > 0.5 * *steepest) --first;
+  while (last + 1 < count && steps[last + 1] > 0.5 * *steepest) ++last;
+  double sum = 0.0, moment = 0.0;
+  for (std::size_t k = first; k <= last; ++k) {
+    const double weight = steps[k] - 0.5 * *steepest;
+    sum += weight;
+    moment += weight * static_cast<double>(k);
+  }
+  const double middle = sum > 0.0 ? moment / sum : static_cast<double>(top);
+  return std::min(middle, static_cast<double>(count) - 1.001);
+}
+
 OutlineBall BallOf(const Refined& refined, double radius, double per_pixel, double step_px) {
   OutlineBall ball;
   const double distance = radius / std::sin(refined.cone.opening);
   ball.center_C = distance * refined.cone.axis;
   Matrix3d covariance = refined.covariance;
+  covariance.topLeftCorner<2, 2>() +=
+      kLopsidedPx * kLopsidedPx * per_pixel * per_pixel * Eigen::Matrix2d::Identity();
   covariance(2, 2) += step_px * step_px * per_pixel * per_pixel;
   Matrix3d by;
   by.leftCols<2>() = distance * Across(refined.cone.axis);
@@ -195,19 +225,11 @@ std::vector<Vector2d> EdgeOutline(const cv::Mat1f& grey, const CameraModel& came
                        v * ((1.0 - u) * grey(row + 1, column) + u * grey(row + 1, column + 1)));
     }
     if (values.size() < points.size()) continue;
-    // The middle of the step: steepest over about two pixels.
-    const double px = (points.back() - points.front()).norm() / (kAcross - 1);
-    const int half = std::max(1, static_cast<int>(std::lround(1.0 / px)));
-    double steepest = 0.0;
-    int at = -1;
-    for (int k = half; k + half < kAcross; ++k) {
-      const double step = std::abs(values[k + half] - values[k - half]);
-      if (std::isfinite(step) && step > steepest) {
-        steepest = step;
-        at = k;
-      }
+    if (const auto at = MiddleOfStep(values, (points.back() - points.front()).norm())) {
+      const std::size_t k = static_cast<std::size_t>(*at);
+      const double between = *at - static_cast<double>(k);
+      outline.push_back((1.0 - between) * points[k] + between * points[k + 1]);
     }
-    if (at >= 0) outline.push_back(points[at]);
   }
   return outline;
 }

@@ -21,12 +21,15 @@ using Eigen::Vector3d;
 // Levels, as shares of the peak, at which a spot is cut off: what is above counts by how much it is
 // above, so that nothing jumps where a pixel comes in. The first uses nearly all of a spot, of a
 // clipped one the soft rim, and says where it is; from one to the next, what is lopsided moves.
-constexpr std::array<double, 3> kLevels{0.15, 0.3, 0.5};
+// What is not clipped has no bloom to keep away from, but never within so many sigmas of noise.
+constexpr std::array<double, 3> kClippedLevels{0.15, 0.3, 0.5};
+constexpr std::array<double, 3> kOpenLevels{0.04, 0.15, 0.3};
+constexpr double kAboveNoise = 4.0;
 // Blur of lens and pixel, sigma in pixels, of which nothing is known: between none and twice this.
 constexpr double kBlur = 0.6;
 // Pixels. What sampling leaves of a small spot's place; half of a pixel is lost at a clipped edge.
 constexpr double kOpenFloor = 0.01;
-constexpr double kClippedFloor = 0.04;
+constexpr double kClippedFloor = 0.05;
 
 struct Weighted {
   Vector2d pixel;  // of the picture
@@ -146,7 +149,9 @@ cv::Mat1b WithRim(const SpotMaps& maps, const Peak& peak, double share, bool* cu
   const double level = std::max(share * peak.height, 1.0001 * peak.saddle);
   cv::Mat1b flooded = FloodFrom(maps.rest, maps.usable, peak.at, static_cast<float>(level));
   cv::dilate(flooded, flooded, {});
-  *cut = cv::countNonZero(flooded & ~maps.usable) > 0;
+  const cv::Rect touched = cv::boundingRect(flooded);
+  *cut = cv::countNonZero(flooded & ~maps.usable) > 0 || touched.x == 0 || touched.y == 0 ||
+         touched.br().x == flooded.cols || touched.br().y == flooded.rows;
   flooded &= maps.usable;
   return flooded;
 }
@@ -173,10 +178,13 @@ std::optional<Vector2d> MeasurePlace(const SpotMaps& maps, const Peak& peak, con
                                      Spot& spot) {
   Vector2d place = Vector2d::Zero();
   Matrix2d shape = Matrix2d::Zero();
-  for (std::size_t i = 0; i < kLevels.size(); ++i) {
+  for (std::size_t i = 0; i < kOpenLevels.size(); ++i) {
     bool cut = false;
-    const cv::Mat1b flooded = WithRim(maps, peak, kLevels[i], &cut);
-    const double level = std::max(kLevels[i] * spot.peak, double{peak.saddle});
+    const double share = spot.clipped
+                             ? kClippedLevels[i]
+                             : std::max(kOpenLevels[i], kAboveNoise * maps.noise / spot.peak);
+    const cv::Mat1b flooded = WithRim(maps, peak, share, &cut);
+    const double level = std::max(share * spot.peak, double{peak.saddle});
     const auto pixels = Above(maps, flooded, level);
     const Moments moments = MomentsOf(pixels);
     if (!(moments.sum > 0.0)) return std::nullopt;

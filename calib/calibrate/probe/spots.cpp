@@ -74,7 +74,11 @@ Region FindRegion(const cv::Mat1b& mask, const BallView& view) {
       if (!seen || seen->cosine < kRimCosine) usable(row, column) = 0;
     }
   }
-  const cv::Rect box = cv::boundingRect(usable);
+  // With what bounds it, so that a spot that is cut is seen to be.
+  cv::Rect box = cv::boundingRect(usable);
+  if (box.empty()) return {};
+  box = cv::Rect(box.x - 1, box.y - 1, box.width + 2, box.height + 2) &
+        cv::Rect({0, 0}, usable.size());
   return {box, usable(box).clone()};
 }
 
@@ -171,6 +175,17 @@ double BrightGround(const cv::Mat1f& ground, const cv::Mat1b& usable) {
   return LowerQuantile(levels, 0.95);
 }
 
+// Whether a peak is a corner of something broad: the square of the opening does not fit into those
+// of a window that stands askew. At half of the peak's height it is then one with the broad part.
+bool BelongsToBroad(const cv::Mat1f& smooth, const cv::Mat1f& ground, const cv::Mat1b& usable,
+                    const Peak& peak) {
+  constexpr float kHalf = 0.5f, kLow = 0.25f;  // of the height
+  constexpr double kMostly = 0.4;              // of the pixels
+  const cv::Mat1b one = FloodFrom(smooth, usable, peak.at, ground(peak.at) + kHalf * peak.height);
+  const cv::Mat1b broad = smooth - ground < kLow * peak.height;
+  return cv::countNonZero(one & broad) > kMostly * cv::countNonZero(one);
+}
+
 std::string WhyNoLight(const Spot& spot, double bright_ground, bool cut) {
   if (cut) return "cut by the picture's edge, the ball's rim or what hides the ball";
   if (spot.extent_deg > kMaxExtentDeg) return "too extended for a lamp: a window or a lit surface";
@@ -208,7 +223,9 @@ SpotsFound FindSpots(const LinearImage& picture, const cv::Mat1b& mask, const Ba
         {grey, ground, rest, clipped, region.usable, region.box.tl(), found.noise}, peak, view);
     if (!shape.measured) continue;
     Spot spot = shape.spot;
-    spot.why = WhyNoLight(spot, bright_ground, shape.cut);
+    spot.why = BelongsToBroad(smooth, ground, region.usable, peak)
+                   ? "part of something broad and bright: a window or a lit surface"
+                   : WhyNoLight(spot, bright_ground, shape.cut);
     if (spot.clipped) white = std::max(white, spot.peak + spot.ground);
     found.spots.push_back(spot);
   }
