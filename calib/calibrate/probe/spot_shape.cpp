@@ -28,8 +28,14 @@ constexpr double kAboveNoise = 4.0;
 // Blur of lens and pixel, sigma in pixels, of which nothing is known: between none and twice this.
 constexpr double kBlur = 0.6;
 // Pixels. What sampling leaves of a small spot's place; half of a pixel is lost at a clipped edge.
-constexpr double kOpenFloor = 0.01;
+constexpr double kOpenFloor = 0.006;
 constexpr double kClippedFloor = 0.05;
+// Shares, of variances, of what may be wrong with a spot: of the way between its place as a patch
+// of pixels and of directions, and of the way from level to level. The study of coverage has them.
+struct ShapeShares {
+  double between, moved;
+};
+constexpr ShapeShares kOpenShares{0.03, 0.04}, kClippedShares{0.25, 0.125};
 
 struct Weighted {
   Vector2d pixel;  // of the picture
@@ -178,6 +184,7 @@ std::optional<Vector2d> MeasurePlace(const SpotMaps& maps, const Peak& peak, con
                                      Spot& spot) {
   Vector2d place = Vector2d::Zero();
   Matrix2d shape = Matrix2d::Zero();
+  const ShapeShares& shares = spot.clipped ? kClippedShares : kOpenShares;
   for (std::size_t i = 0; i < kOpenLevels.size(); ++i) {
     bool cut = false;
     const double share = spot.clipped
@@ -200,13 +207,13 @@ std::optional<Vector2d> MeasurePlace(const SpotMaps& maps, const Peak& peak, con
     if (i == 0) {
       place = here;
       spot.noise_covariance = maps.noise * maps.noise * moments.noise;
-      shape += (spot.clipped ? 0.25 : 0.06) * between * between.transpose();
+      shape += shares.between * between * between.transpose();
       spot.extent_deg = RadToDeg(patch->extent);
       const auto all = PatchOfSpot(view, Above(maps, flooded, 0.0), 0.0);
       spot.irradiance = all ? all->weight : patch->weight;
     } else {
       const Vector2d moved = here - place;
-      shape += 0.125 * moved * moved.transpose();
+      shape += shares.moved * moved * moved.transpose();
     }
   }
   const double floor = spot.clipped ? kClippedFloor : kOpenFloor;
