@@ -213,7 +213,7 @@ TEST_P(LoopProcessOf, ACaptureKilledResumes) {
   ExpectResumeCompletes(out_);
 }
 
-INSTANTIATE_TEST_SUITE_P(Firmwares, LoopProcessOf, testing::Values("grbl", "zaber", "smc100"),
+INSTANTIATE_TEST_SUITE_P(Firmwares, LoopProcessOf, testing::Values("grbl", "zaber"),
                          [](const auto& info) { return std::string(info.param); });
 
 // What a GRBL says of itself to whoever opens its port: "<Idle|MPos:1.000,0.000,0.000".
