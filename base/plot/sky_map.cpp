@@ -1,5 +1,6 @@
 #include "base/plot/sky_map.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
