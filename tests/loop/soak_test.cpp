@@ -117,17 +117,18 @@ TEST(Soak, TwentyRevolutionsWithFaults) {
   options.plan.move_timeout_s = 15.0;  // from home to anywhere
   options.packet_loss = 0.001;
   const nodes::StaticScene scene = SceneOf(options);
-  std::cout
-      << "| revolution | s | frames | faults struck | taken again | worst sigmas | memory, MB "
-         "| descriptors | threads |\n|---|---|---|---|---|---|---|---|---|\n";
+  std::cout << "| revolution | s | frames | faults struck | not struck | taken again | worst "
+               "sigmas | memory, MB "
+               "| descriptors | threads |\n|---|---|---|---|---|---|---|---|---|---|\n";
   std::vector<Revolution> revolutions;
   int struck = 0, not_struck = 0;
   for (int i = 1; i <= kRevolutions; ++i) {
     options.faults = DrawFaults(i);
     const Revolution now = Turn(options, scene);
-    std::cout << Format("| %d | %.0f | %d | %d | %d | %.2f | %.1f | %zu | %zu |", i, now.seconds,
-                        now.frames, now.struck, now.rejected, now.worst_sigmas, now.after.memory_mb,
-                        now.after.descriptors, now.after.threads)
+    std::cout << Format("| %d | %.0f | %d | %d | %d | %d | %.2f | %.1f | %zu | %zu |", i,
+                        now.seconds, now.frames, now.struck, now.not_struck, now.rejected,
+                        now.worst_sigmas, now.after.memory_mb, now.after.descriptors,
+                        now.after.threads)
               << std::endl;
     EXPECT_EQ(now.failure, "");
     EXPECT_EQ(now.frames, kPerRevolution);
