@@ -85,7 +85,7 @@ struct CompareTolerances {
 Result<CompareTolerances> ReadToleranceFile(const std::string& file) {
   CompareTolerances tolerances;
   if (file.empty()) return tolerances;
-  const auto text = ReadFile(file, kMaxToleranceBytes);
+  const auto text = ReadTypedFile(file, kMaxToleranceBytes);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, file);
   if (!document) return Forward(document);

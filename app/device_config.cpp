@@ -81,7 +81,7 @@ std::string NameOf(const std::optional<StrictObject>& section) {
 }  // namespace
 
 Result<DeviceConfig> ReadDeviceConfig(const fs::path& path) {
-  const auto text = ReadFile(path, kMaxConfigBytes);
+  const auto text = ReadTypedFile(path, kMaxConfigBytes);
   if (!text) return Forward(text);
   return ParseDeviceConfig(*text, path);
 }

@@ -121,7 +121,7 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
 }
 
 Result<RunConfig> ReadRunConfig(const fs::path& path, const fs::path& origin) {
-  const auto text = ReadFile(path, kMaxFileBytes);
+  const auto text = ReadTypedFile(path, kMaxFileBytes);
   if (!text) return Forward(text);
   return ParseRunConfig(*text, path.string(), origin);
 }
@@ -129,7 +129,7 @@ Result<RunConfig> ReadRunConfig(const fs::path& path, const fs::path& origin) {
 Result<RunConfig> ReadRunConfig(const fs::path& path) { return ReadRunConfig(path, path); }
 
 Result<bool> IsRunConfig(const fs::path& path) {
-  const auto text = ReadFile(path, kMaxFileBytes);
+  const auto text = ReadTypedFile(path, kMaxFileBytes);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, path.string());
   if (!document) return Forward(document);

@@ -22,7 +22,7 @@ constexpr std::uint64_t kMaxConfigBytes = std::uint64_t{16} << 20;
 constexpr double kMaxKeyframeDeg = 36000.0;
 
 Result<Document> ReadDocument(const fs::path& path) {
-  const auto text = ReadFile(path, kMaxConfigBytes);
+  const auto text = ReadTypedFile(path, kMaxConfigBytes);
   if (!text) return Forward(text);
   return ParseYaml(*text, path.string());
 }

@@ -10,7 +10,11 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <utility>
+#include <vector>
+
+#include "base/nearest.h"
 
 namespace turnlight {
 namespace {
@@ -116,6 +120,30 @@ Result<std::string> ReadFile(const fs::path& path, std::uint64_t max_bytes) {
     done += static_cast<std::size_t>(n);
   }
   bytes.resize(done);
+  return bytes;
+}
+
+std::string NearestPath(const fs::path& path) {
+  std::error_code code;
+  fs::path there;  // the part that exists
+  auto missing = path.begin();
+  while (missing != path.end() && fs::exists(there / *missing, code)) there /= *missing++;
+  if (missing == path.end()) return "";
+  std::vector<std::string> names;
+  fs::directory_iterator entry(there.empty() ? fs::path(".") : there, code);
+  for (; !code && entry != fs::directory_iterator(); entry.increment(code))
+    names.push_back(entry->path().filename().string());
+  std::sort(names.begin(), names.end());
+  const std::string nearest = Nearest(missing->string(), names);
+  if (nearest.empty()) return "";
+  fs::path meant = there / nearest;
+  for (auto rest = std::next(missing); rest != path.end(); ++rest) meant /= *rest;
+  return fs::exists(meant, code) ? " (did you mean \"" + meant.string() + "\"?)" : "";
+}
+
+Result<std::string> ReadTypedFile(const fs::path& path, std::uint64_t max_bytes) {
+  auto bytes = ReadFile(path, max_bytes);
+  if (!bytes) return InputError(bytes.error().text + NearestPath(path));
   return bytes;
 }
 

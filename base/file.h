@@ -43,6 +43,13 @@ bool WriteAll(int fd, std::string_view bytes, FileOps& ops = SystemFileOps());
 Result<std::string> ReadFile(const std::filesystem::path& path,
                              std::uint64_t max_bytes = std::uint64_t{4} << 30);
 
+// " (did you mean "configs/a.yaml"?)": of a path that is not there, the one that is and differs by
+// a slip of the finger in one name; "" if there is none.
+std::string NearestPath(const std::filesystem::path& path);
+// ReadFile of a path that a person typed: the message of a missing one has NearestPath.
+Result<std::string> ReadTypedFile(const std::filesystem::path& path,
+                                  std::uint64_t max_bytes = std::uint64_t{4} << 30);
+
 // Writes so that a reader sees the old file or the whole new one, also after a crash: temporary
 // file beside it, write, fsync, rename, fsync of the directory. Fails (kSystem) and leaves no
 // temporary.

@@ -143,6 +143,8 @@ Result<Connection> Connect(const std::string& id, CameraLock& lock,
       known->name.clear();  // it may come back at another address
     } else if (const auto cameras = FindCameras()) {
       text += "; " + DescribeCameras(*cameras);
+      if (id.starts_with("127."))
+        text += "; at an address of this computer there is a camera while turnlight simulate runs";
     }
     return DeviceError(text);
   }

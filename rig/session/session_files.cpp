@@ -27,7 +27,7 @@ std::string WhereInstead(const fs::path& root) {
   const fs::path below = root / "session";
   if (has(below, kSessionFile) || has(below, kJournalFile))
     return "; this is the folder of a run, its session is " + below.string();
-  return ", allowed is the folder of a session";
+  return ", allowed is the folder of a session" + NearestPath(root);
 }
 }  // namespace
 

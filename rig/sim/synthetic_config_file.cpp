@@ -337,7 +337,7 @@ Result<SyntheticConfig> ReadSyntheticConfig(StrictObject object) {
 }
 
 Result<SyntheticConfig> ReadSyntheticConfig(const std::filesystem::path& path) {
-  auto text = ReadFile(path, kMaxConfigBytes);
+  auto text = ReadTypedFile(path, kMaxConfigBytes);
   if (!text) return Forward(text);
   return ParseSyntheticConfig(*text, path.string());
 }

@@ -6,7 +6,6 @@
 // fast table.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -60,13 +59,6 @@ std::vector<CodeBlock> BlocksOf(const std::string& page) {
 void ReplaceAll(std::string& text, const std::string& what, const std::string& by) {
   for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
     text.replace(at, what.size(), by);
-}
-
-// Of this process alone.
-std::string OwnAddress() {
-  const int pid = ::getpid();
-  return "127." + std::to_string(110 + pid / 65024 % 8) + "." + std::to_string(pid / 254 % 256) +
-         "." + std::to_string(1 + pid % 254);
 }
 
 // The tree as a newcomer sees it, but for link, address, number of keyframes and speed.

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "rig/sim/synthetic_session.h"
@@ -92,6 +93,18 @@ std::string ContentOf(const std::string& session) {
   EXPECT_EQ(verified.exit_code, 0) << verified.out;
   const std::size_t at = verified.out.find("content sha256");
   return at == std::string::npos ? "" : verified.out.substr(at);
+}
+
+std::string ResultWithoutTimes(const std::string& result) {
+  auto json = nlohmann::json::parse(ReadText(std::filesystem::path(result) / "result.json"));
+  json.erase("time_s");
+  return json.dump();
+}
+
+std::string OwnAddress() {
+  const int pid = ::getpid();
+  return "127." + std::to_string(100 + pid / 65024 % 8) + "." + std::to_string(pid / 254 % 256) +
+         "." + std::to_string(1 + pid % 254);
 }
 
 std::string SmallRunConfig() {

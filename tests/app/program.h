@@ -40,6 +40,11 @@ void RunQuickly(std::string& config);
 
 // What `verify` says of a session's bytes; a test failure if the session is not good.
 std::string ContentOf(const std::string& session);
+// result.json of a result's folder but for what its times are, as text.
+std::string ResultWithoutTimes(const std::string& result);
+
+// A loopback address of this process alone, for a simulated camera.
+std::string OwnAddress();
 
 // A small noiseless config: a ball under one near light, three views of 80 x 60 pixels, 16 bits.
 rig::sim::SyntheticConfig SmallConfig();

@@ -40,11 +40,6 @@ class Run : public testing::Test {
   std::string Out(const std::string& name) const { return (root_ / name).string(); }
 
   static std::string Session(const std::string& out) { return ContentOf(out + "/session"); }
-  static std::string ResultWithoutTimes(const std::string& out) {
-    auto json = nlohmann::json::parse(ReadText(out + "/result.json"));
-    json.erase("time_s");
-    return json.dump();
-  }
   void ExpectRuns(const std::vector<std::string>& arguments) {
     const Outcome outcome = RunProgram(arguments);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -17,6 +17,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 namespace fs = std::filesystem;
 
 class File : public testing::Test {
@@ -144,6 +145,24 @@ TEST_F(File, TemporariesAreKnownByTheirNames) {
   for (const char* name :
        {"x.a1B2c3", ".x", ".abcdef", ".x.a1B2c", ".x.a1B2c-", "", ".", "..", ".x.a1B2c34"})
     EXPECT_FALSE(IsTemporaryName(name)) << name;
+}
+
+TEST_F(File, AMistypedPathIsToldTheNearestOne) {
+  fs::create_directories(folder_ / "session");
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "session/rig.yaml", "x"));
+  const auto told = [this](const std::string& typed) {
+    const auto read = ReadTypedFile(folder_ / typed);
+    return read ? *read : read.error().text;
+  };
+  EXPECT_EQ(told("session/rig.yaml"), "x");
+  const std::string meant = "(did you mean \"" + (folder_ / "session/rig.yaml").string() + "\"?)";
+  EXPECT_THAT(told("session/rgi.yaml"), HasSubstr(meant));
+  EXPECT_THAT(told("sesion/rig.yaml"), HasSubstr(meant));
+  // Two slips, or nothing near: no guess.
+  EXPECT_THAT(told("sesion/rgi.yaml"), Not(HasSubstr("did you mean")));
+  EXPECT_THAT(told("other/rig.yaml"), Not(HasSubstr("did you mean")));
+  EXPECT_EQ(NearestPath(folder_ / "session"), "");
+  EXPECT_EQ(NearestPath(""), "");
 }
 
 }  // namespace

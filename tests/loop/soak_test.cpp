@@ -106,7 +106,7 @@ void ExpectFlat(const std::vector<Revolution>& revolutions) {
     raise(last, revolutions[i].after);
   EXPECT_LT(last.memory_mb, first.memory_mb + 8.0);
   // A camera that was lost is let go in its own time.
-  EXPECT_LE(last.descriptors, first.descriptors + 8);
+  EXPECT_LE(last.descriptors, first.descriptors + 4);
   EXPECT_LE(last.threads, first.threads + 4);
 }
 
@@ -117,17 +117,18 @@ TEST(Soak, TwentyRevolutionsWithFaults) {
   options.plan.move_timeout_s = 15.0;  // from home to anywhere
   options.packet_loss = 0.001;
   const nodes::StaticScene scene = SceneOf(options);
-  std::cout
-      << "| revolution | s | frames | faults struck | taken again | worst sigmas | memory, MB "
-         "| descriptors | threads |\n|---|---|---|---|---|---|---|---|---|\n";
+  std::cout << "| revolution | s | frames | faults struck | not struck | taken again | worst "
+               "sigmas | memory, MB "
+               "| descriptors | threads |\n|---|---|---|---|---|---|---|---|---|---|\n";
   std::vector<Revolution> revolutions;
   int struck = 0, not_struck = 0;
   for (int i = 1; i <= kRevolutions; ++i) {
     options.faults = DrawFaults(i);
     const Revolution now = Turn(options, scene);
-    std::cout << Format("| %d | %.0f | %d | %d | %d | %.2f | %.1f | %zu | %zu |", i, now.seconds,
-                        now.frames, now.struck, now.rejected, now.worst_sigmas, now.after.memory_mb,
-                        now.after.descriptors, now.after.threads)
+    std::cout << Format("| %d | %.0f | %d | %d | %d | %d | %.2f | %.1f | %zu | %zu |", i,
+                        now.seconds, now.frames, now.struck, now.not_struck, now.rejected,
+                        now.worst_sigmas, now.after.memory_mb, now.after.descriptors,
+                        now.after.threads)
               << std::endl;
     EXPECT_EQ(now.failure, "");
     EXPECT_EQ(now.frames, kPerRevolution);
@@ -138,7 +139,7 @@ TEST(Soak, TwentyRevolutionsWithFaults) {
   }
   EXPECT_GT(struck, 60);
   // What needs a message that is not sent at that angle finds no occasion.
-  EXPECT_LE(not_struck, struck / 5);
+  EXPECT_LE(not_struck, struck / 10);
   ExpectFlat(revolutions);
 }
 
