@@ -23,7 +23,7 @@ Result<SeenSurface> SeenSurface::Build(const rig::sim::SyntheticConfig& config) 
   SeenSurface out;
   for (int i = 0; i < config.motion.frames; ++i) {
     const calib::RigPoses placement = rig::sim::PlaceAt(config.motion, i * config.motion.step_deg);
-    keyframes.push_back({{cv::Mat1f::zeros(size), cv::Mat1b::zeros(size)},
+    keyframes.push_back({{cv::Mat1f::zeros(size), cv::Mat1b::zeros(size), {}},
                          cv::Mat1b(size, 255),
                          placement.X_WC,
                          placement.X_WT});

@@ -89,6 +89,7 @@ Recorder OpenRecorder(const MockRigOptions& options, const rig::RigSetup& setup)
                                   .name = "lump",
                                   .length_unit = setup.length_unit,
                                   .camera = setup.known.lens,
+                                  .calibration_text = "",
                                   .radiometry = setup.known.radiometry,
                                   .bayer = setup.camera.bayer,
                                   .target = setup.target.copy,

@@ -42,7 +42,7 @@ struct Case {
       cv::Mat radiance = rendering.radiance;
       if (channels == 1) cv::extractChannel(radiance, radiance, 0);
       const cv::Mat1b nothing(radiance.size(), uchar{0});
-      this->keyframes.push_back({{radiance, nothing}, 255 - nothing, X_WC, {}});
+      this->keyframes.push_back({{radiance, nothing, {}}, 255 - nothing, X_WC, {}});
       output.residuals.push_back(cv::Mat1f(radiance.size(), 0.001f));
     }
   }

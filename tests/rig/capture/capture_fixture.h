@@ -155,6 +155,7 @@ class CaptureFixture : public testing::Test {
             .name = "small",
             .length_unit = "mm",
             .camera = calib::CameraModel::Pinhole(kWidth, kHeight, 20.0, 20.0, 7.5, 5.5),
+            .calibration_text = "",
             .radiometry = radiometry,
             .bayer = std::nullopt,
             .target = MeshCopy{MeshFormat::kObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},

@@ -57,6 +57,7 @@ class Closure : public testing::Test {
                              "closure",
                              "mm",
                              *camera,
+                             "",
                              radiometry,
                              std::nullopt,
                              calib::SphereShape{50.0},

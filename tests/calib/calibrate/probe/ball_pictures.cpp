@@ -43,7 +43,7 @@ LinearImage WithNoise(const BallPictures& pictures, const cv::Mat1f& radiance, s
       clipped(row, column) = 255;
     }
   }
-  return {noisy, clipped};
+  return {noisy, clipped, {}};
 }
 
 LinearImage TakePicture(const BallPictures& pictures, const BallStudio& studio, std::size_t view) {

@@ -81,7 +81,9 @@ TEST(LightFit, ViewsOfTheSameDoNotEither) {
   const BallStudio studio(pictures);
   const auto seen = Seen(studio, Vector3d(0.5, 0.1, 0.8).normalized(), 0.0, 0.0);
   const auto fit = FitLight(studio.views, seen, Vector3d::Zero(), true);
-  if (fit) EXPECT_LT(std::abs(fit->rho), 3.0 * std::sqrt(fit->covariance(2, 2)));
+  if (fit) {
+    EXPECT_LT(std::abs(fit->rho), 3.0 * std::sqrt(fit->covariance(2, 2)));
+  }
 }
 
 TEST(LightFit, ASpotBesideTheBallIsRefused) {

@@ -135,7 +135,9 @@ TEST(Lights, TwoBallsTellADistanceBetter) {
   ASSERT_TRUE(light.position);
   const Vector3d off = *light.position - kPosition;
   EXPECT_LT(off.dot(light.position_covariance.inverse() * off), 14.2);
-  if (from_one.lights[0].near) EXPECT_LT(light.sigma.distance, from_one.lights[0].sigma.distance);
+  if (from_one.lights[0].near) {
+    EXPECT_LT(light.sigma.distance, from_one.lights[0].sigma.distance);
+  }
 }
 
 // What goes round with the camera is no light of the room.

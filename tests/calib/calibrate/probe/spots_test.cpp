@@ -197,7 +197,7 @@ TEST(Spots, ARoomWithGlareAndBlocksIsStillOneLamp) {
       value = std::round(255.0f * std::clamp(value, 0.0f, 1.0f)) / 255.0f;
       clipped(row, column) = value >= 1.0f ? 255 : 0;
     }
-  const auto lights = LightsOf(FindSpots({radiance, clipped}, {}, studio.views.front()));
+  const auto lights = LightsOf(FindSpots({radiance, clipped, {}}, {}, studio.views.front()));
   ASSERT_EQ(lights.size(), 1u);
   EXPECT_LT(ErrorDeg(studio, lights[0], lamp), 0.3);
 }
