@@ -106,7 +106,7 @@ TEST(CalibrateTarget, RefusesWhatDoesNotFitTogether) {
 TEST(CalibrateTarget, SaysWhichFrameHasNoAngle) {
   const Scene scene;
   std::string text = ReadText(fs::path(scene.session) / "session.json");
-  const auto at = text.find("\"angle_deg\": ");
+  const auto at = text.find("\"angle_deg\":");
   ASSERT_NE(at, std::string::npos);
   text.erase(at, text.find(',', at) - at + 1);
   WriteText(fs::path(scene.session) / "session.json", text);
