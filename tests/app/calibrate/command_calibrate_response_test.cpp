@@ -93,7 +93,7 @@ TEST_F(CalibrateResponse, OfAListIsTheSame) {
       RunProgram({"calibrate", "response", folder_ / "response.yaml", "--out", other});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto noise = [](const std::string& folder) {
-    return nlohmann::json::parse(ReadText(folder + "/response.json"))["noise"];
+    return nlohmann::json::parse(ReadText(folder + "/response.json"))["radiometry"]["noise"];
   };
   // The pictures have another order, and sums with it other last digits.
   for (const char* key : {"read_noise_dn", "dn_per_electron"}) {
