@@ -30,11 +30,10 @@ Status CheckCompanions(const CompanionFiles& companions, std::size_t frames) {
 Status CheckSize(const rig::RigCalibration& calibration, cv::Size taken, const char* whose) {
   const cv::Size known = calibration.devices.resolution;
   if (taken == known) return {};
-  return InputError(
-      Format("%s: identity/camera/resolution: %d x %d, the %s's pictures are %d x %d; allowed is a "
-             "calibration of pictures like these",
-             calibration.source.c_str(), known.width, known.height, whose, taken.width,
-             taken.height));
+  return InputError(Format(
+      "%s: identity/camera/resolution: %d x %d, the %s's pictures are %d x %d; allowed is a "
+      "calibration of pictures like these",
+      calibration.source.c_str(), known.width, known.height, whose, taken.width, taken.height));
 }
 
 // The companion of a frame from files, taken with the frame's exposure; empty if there are none.
@@ -67,9 +66,8 @@ std::optional<double> AngleOf(const Frame& frame) {
 Status AddFrame(std::optional<double> angle_deg, std::size_t index, const std::string& where,
                 TargetPictures& pictures) {
   if (!angle_deg)
-    return InputError(
-        Format("%s: frames/%zu/angle_deg: missing, allowed is the table's angle", where.c_str(),
-               index));
+    return InputError(Format("%s: frames/%zu/angle_deg: missing, allowed is the table's angle",
+                             where.c_str(), index));
   pictures.frames.push_back({*angle_deg, rig::FrameLabel(index, angle_deg)});
   return {};
 }
@@ -133,8 +131,8 @@ Result<TargetPictures> TargetPicturesOf(const fs::path& path,
   if (status) status = CheckCompanions(companions, session->frames.size());
   TargetPictures pictures;
   for (std::size_t i = 0; status && i < session->frames.size(); ++i)
-    status = AddFrame(AngleOf(session->frames[i]), i,
-                      (session->root / rig::kSessionFile).string(), pictures);
+    status = AddFrame(AngleOf(session->frames[i]), i, (session->root / rig::kSessionFile).string(),
+                      pictures);
   if (!status) return Forward(status);
   pictures.read = [session, companions, size](std::size_t i) -> Result<placement::Pictures> {
     const rig::FrameRecord& record = session->frames[i];
@@ -143,8 +141,8 @@ Result<TargetPictures> TargetPicturesOf(const fs::path& path,
     placement::Pictures read;
     read.lit = calib::Linearise(images->image, session->radiometry, record.exposure).radiance;
     if (record.mask) read.mask = images->mask;
-    const Status added = AddCompanions(companions, i, size, session->radiometry, record.exposure,
-                                       read);
+    const Status added =
+        AddCompanions(companions, i, size, session->radiometry, record.exposure, read);
     return added ? Result<placement::Pictures>(std::move(read)) : Forward(added);
   };
   return pictures;
