@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "base/format.h"
@@ -138,9 +139,15 @@ Result<Segmentation> SegmentBright(const cv::Mat& picture) {
   for (int i = 0; i < static_cast<int>(light.total()); ++i)
     if (!bright(i)) dark.push_back(light(i));
   const float background = Median(dark);
-  for (float& value : dark) value = std::abs(value - background);
+  float step = std::numeric_limits<float>::max();  // of the picture's values
+  for (float& value : dark) {
+    value = std::abs(value - background);
+    if (value > 0.0f) step = std::min(step, value);
+  }
+  // Where most of the background has one value, its noise is about half of the step to the next.
   Segmentation found;
   found.noise = Median(dark) / kMedianOfNormal;
+  if (found.noise == 0.0 && step < std::numeric_limits<float>::max()) found.noise = 0.5 * step;
   const double level = top * (split / 255.0) * (split / 255.0);
   found.threshold = background + std::max(kBackgroundSigma * found.noise,
                                           kLeastOfStrongest * (level - background));

@@ -53,6 +53,17 @@ TEST(Segment, FindsWhatDiffersFromTheEmptyTable) {
   EXPECT_FALSE(found->shadow_removed);
 }
 
+// Of 8 bits a dark background is 0 nearly everywhere, and 1 or 2 where its noise is.
+TEST(Segment, ABackgroundOfFewValuesIsDark) {
+  cv::Mat3f picture = WithBall(Table(1, {0.0, 0.0, 0.0}), false);
+  for (int i = 0; i < static_cast<int>(picture.total()); ++i)
+    for (int c = 0; c < 3; ++c)
+      picture(i)[c] = std::round(255.0f * std::max(0.0f, picture(i)[c])) / 255.0f;
+  const auto found = SegmentBright(picture);
+  ASSERT_TRUE(found) << found.error().text;
+  EXPECT_NEAR(cv::countNonZero(found->mask), kArea, 0.03 * kArea);
+}
+
 TEST(Segment, TakesAShadowAwayByItsColour) {
   const auto found = SegmentAgainstEmpty(WithBall(Table(1), true), Table(2));
   ASSERT_TRUE(found) << found.error().text;
