@@ -203,7 +203,8 @@ MockRigRun RunMockRig(const MockRigOptions& options) {
   const Recorder recorder = OpenRecorder(options, setup);
   const auto work = std::make_shared<const CaptureWork>(
       CaptureWork{recorder ? recorder->Missing() : rig::PlannedFrames(options.plan), recorder,
-                  [&run](const std::string& line) { run.lines.push_back(line); }});
+                  [&run](const std::string& line) { run.lines.push_back(line); },
+                  {}});
   auto config = Expect(graph::ParseGraphConfig(GraphText(options), "mock_rig.yaml"));
   auto graph = Expect(graph::Graph::Build(
       std::move(config),
