@@ -92,9 +92,10 @@ TEST_F(RunByHand, AResumeTakesWhatIsMissingFromANewView) {
 
 TEST_F(RunByHand, AsOftenAsItIsRunItIsTheSame) {
   for (const std::string threads : {"1", "2"})
-    ASSERT_EQ(
-        RunProgram({"capture", Config(), "--out", Out(threads), "--threads", threads}).exit_code,
-        0);
+    ASSERT_EQ(RunProgram({"capture", Config("count: 6", "count: 2"), "--out", Out(threads),
+                          "--threads", threads})
+                  .exit_code,
+              0);
   EXPECT_EQ(ContentOf(Out("1/session")), ContentOf(Out("2/session")));
 }
 
