@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/calibrate/rig_recipe.h"
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/rig_config.h"
@@ -33,9 +34,13 @@ Status CheckScene(const std::string& file) {
 }
 
 int CheckFile(const std::string& file) {
+  const auto is_recipe = IsRigRecipe(file);
+  if (!is_recipe) return Fail(is_recipe.error());
   const auto is_run = IsRunConfig(file);
   if (!is_run) return Fail(is_run.error());
-  if (*is_run) {
+  if (*is_recipe) {
+    if (const auto recipe = ReadRigRecipe(file); !recipe) return Fail(recipe.error());
+  } else if (*is_run) {
     if (const Status status = CheckRun(file); !status) return Fail(status.error());
   } else if (const Status status = CheckScene(file); !status) {
     return Fail(status.error());
@@ -74,7 +79,7 @@ void AddConfig(CLI::App& program, Action& action) {
   command->require_subcommand(1);
   command->footer("Example:\n  turnlight config show configs/synthetic_sphere.yaml");
   AddPart(*command, action, "check", "Check a configuration without running it",
-          "synthesize, simulate or run", CheckFile);
+          "synthesize, simulate, run or calibrate rig", CheckFile);
   AddPart(*command, action, "show", "Print every key with its value, defaults included",
           "synthesize", Show);
 }

@@ -91,9 +91,8 @@ Status HandheldKeyframesNode::Expose() {
   const ExposeGoal goal{{plan_.exposures_us.front(), plan_.gain_db},
                         graph::FromMs(plan_.frame_timeout_s * 1e3)};
   // The camera's own deadline fires first; this one is for a camera node that hangs.
-  const auto sent = expose_.Send(goal, clock_.Now(),
-                                 graph::FromMs(goal.settings.exposure_us * 1e-3 + 1e3) +
-                                     2 * goal.timeout);
+  const auto sent = expose_.Send(
+      goal, clock_.Now(), graph::FromMs(goal.settings.exposure_us * 1e-3 + 1e3) + 2 * goal.timeout);
   return sent ? Status() : Forward(sent);
 }
 
@@ -112,10 +111,9 @@ Status HandheldKeyframesNode::OnExposed(const graph::ActionOutcome<nodes::Expose
 
 Status HandheldKeyframesNode::Retry(ErrorKind kind, const std::string& why) {
   failed_.push_back(why);
-  const std::string text =
-      Format("picture %lld of %lld: ", static_cast<long long>(++failures_),
-             static_cast<long long>(plan_.retries + 1)) +
-      why;
+  const std::string text = Format("picture %lld of %lld: ", static_cast<long long>(++failures_),
+                                  static_cast<long long>(plan_.retries + 1)) +
+                           why;
   if (failures_ > plan_.retries)
     return tl::unexpected<Error>(
         Error{kind, text + "; the capture pauses here, all good frames are kept"});
@@ -180,7 +178,8 @@ void HandheldKeyframesNode::Guide(const std::string& text) {
   if (!guidance_.empty() && (text == guidance_ || now - guided_at_ < kGuideEvery)) return;
   guidance_ = text;
   guided_at_ = now;
-  guide_.Publish({text, work_->kept.size() + next_, work_->kept.size() + work_->frames.size()}, now);
+  guide_.Publish({text, work_->kept.size() + next_, work_->kept.size() + work_->frames.size()},
+                 now);
 }
 
 }  // namespace turnlight::nodes

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "app/calibrate/calibrate_commands.h"
+#include "app/calibrate/target_option.h"
+#include "app/calibrate/target_pictures.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/output_folder.h"
@@ -19,6 +21,7 @@
 #include "calib/calibrate/placement/view_of_picture.h"
 #include "rig/rig_calibration.h"
 #include "rig/session/image_file.h"
+#include "rig/session/raw_capture.h"
 #include "rig/session/session.h"
 
 namespace turnlight::app {
@@ -31,66 +34,39 @@ using nlohmann::ordered_json;
 constexpr std::size_t kShown = 6;  // photographs in the report
 
 struct TargetArguments {
-  std::string session, calibration, out, points;
-  std::vector<std::string> empty, lamp_off;
+  std::string pictures, calibration, out, points;
+  TargetWords target;
+  CompanionFiles companions;
   placement::PlacementOptions options;
 };
 
-// Pictures beside the frames: none, one for all, or one each.
-class Companions {
- public:
-  static Result<Companions> Read(const std::vector<std::string>& files, const char* option,
-                                 const rig::Session& session) {
-    if (files.size() > 1 && files.size() != session.frames.size())
-      return InputError(
-          Format("%s: %zu pictures, allowed are one, or one for each of the %zu frames", option,
-                 files.size(), session.frames.size()));
-    Companions companions(files, session);
-    if (files.size() != 1) return companions;
-    auto picture = companions.Load(0, {});
-    if (!picture) return Forward(picture);
-    companions.common_ = *picture;
-    return companions;
-  }
-
-  // As linear radiance, taken with the frame's exposure.
-  Result<cv::Mat> Of(std::size_t frame) const {
-    if (files_.empty() || files_.size() == 1) return common_;
-    return Load(frame, session_->frames[frame].exposure);
-  }
-
- private:
-  Companions(const std::vector<std::string>& files, const rig::Session& session)
-      : files_(files), session_(&session) {}
-
-  Result<cv::Mat> Load(std::size_t at, const calib::Exposure& exposure) const {
-    const auto image =
-        rig::ReadImage(files_[at], {session_->camera->width(), session_->camera->height()});
-    if (!image) return Forward(image);
-    return calib::Linearise(*image, session_->radiometry, exposure).radiance;
-  }
-
-  std::vector<std::string> files_;
-  const rig::Session* session_;
-  cv::Mat common_;
+struct TargetInput {
+  TargetPictures pictures;
+  calib::TargetShape shape;
 };
 
-Status CheckTogether(const rig::Session& session, const rig::RigCalibration& calibration) {
-  if (session.length_unit != calibration.length_unit)
-    return InputError(calibration.source + ": length_unit: \"" + calibration.length_unit +
-                      "\", allowed is the session's, \"" + session.length_unit + "\"");
-  const cv::Size taken(session.camera->width(), session.camera->height());
-  if (taken != calibration.devices.resolution)
-    return InputError(
-        Format("%s: identity/camera/resolution: %d x %d, the session's pictures are "
-               "%d x %d; allowed is a calibration of pictures like these",
-               calibration.source.c_str(), calibration.devices.resolution.width,
-               calibration.devices.resolution.height, taken.width, taken.height));
-  for (std::size_t i = 0; i < session.frames.size(); ++i)
-    if (!session.frames[i].angle_deg && !session.frames[i].angle_measured_deg)
-      return InputError(Format("%s: frames/%zu/angle_deg: missing, allowed is the table's angle",
-                               (session.root / rig::kSessionFile).c_str(), i));
-  return {};
+// A session knows its target; of a raw capture the options say which it is.
+Result<TargetInput> ReadInput(const TargetArguments& arguments,
+                              const rig::RigCalibration& calibration) {
+  const auto combine = [](Result<TargetPictures> pictures,
+                          Result<calib::TargetShape> shape) -> Result<TargetInput> {
+    if (!pictures) return Forward(pictures);
+    if (!shape) return Forward(shape);
+    return TargetInput{std::move(*pictures), std::move(*shape)};
+  };
+  if (rig::IsRawCapture(arguments.pictures)) {
+    const auto capture = rig::ReadRawCapture(arguments.pictures);
+    if (!capture) return Forward(capture);
+    return combine(TargetPicturesOf(*capture, calibration, arguments.companions),
+                   ReadTargetShape(arguments.target));
+  }
+  if (arguments.target.given())
+    return InputError("--sphere, --plane and --mesh are for a raw capture; the session " +
+                      arguments.pictures + " says itself what its target is");
+  const auto session = rig::ReadSession(arguments.pictures);
+  if (!session) return Forward(session);
+  return combine(TargetPicturesOf(arguments.pictures, calibration, arguments.companions),
+                 rig::ReadTarget(*session));
 }
 
 // All frames, seen.
@@ -101,40 +77,19 @@ struct Observed {
   bool from_masks = false;
 };
 
-Result<placement::PictureView> ObserveFrame(const rig::Session& session, std::size_t frame,
-                                            const Companions& empty, const Companions& lamp_off,
-                                            cv::Mat& picture) {
-  const rig::FrameRecord& record = session.frames[frame];
-  const auto images = rig::ReadFrameImages(session, frame);
-  if (!images) return Forward(images);
-  placement::Pictures pictures;
-  pictures.lit = calib::Linearise(images->image, session.radiometry, record.exposure).radiance;
-  picture = pictures.lit;
-  const auto bare = empty.Of(frame), dark = lamp_off.Of(frame);
-  if (!bare) return Forward(bare);
-  if (!dark) return Forward(dark);
-  pictures.empty = *bare;
-  pictures.lamp_off = *dark;
-  if (record.mask) pictures.mask = images->mask;
-  const double angle_deg = record.angle_measured_deg.value_or(record.angle_deg.value_or(0.0));
-  return placement::ViewOfPicture(pictures, angle_deg, rig::FrameLabel(frame, angle_deg));
-}
-
-Result<Observed> Observe(const rig::Session& session, const TargetArguments& arguments) {
-  const auto empty = Companions::Read(arguments.empty, "--empty", session);
-  if (!empty) return Forward(empty);
-  const auto lamp_off = Companions::Read(arguments.lamp_off, "--lamp-off", session);
-  if (!lamp_off) return Forward(lamp_off);
-  const fs::path masks = fs::path(arguments.out) / "masks";
+Result<Observed> Observe(const TargetPictures& pictures, const fs::path& out) {
+  const fs::path masks = out / "masks";
   if (Status status = MakeDirectory(masks); !status) return Forward(status);
   Observed observed;
-  const std::size_t count = session.frames.size();
+  const std::size_t count = pictures.frames.size();
   const std::size_t every = (count + kShown - 1) / kShown;
   Progress progress("finding outlines", count);
   for (std::size_t i = 0; i < count; ++i) {
     if (Interrupted()) return InterruptedError();
-    cv::Mat picture;
-    auto seen = ObserveFrame(session, i, *empty, *lamp_off, picture);
+    const auto read = pictures.read(i);
+    if (!read) return Forward(read);
+    const TargetPicture& frame = pictures.frames[i];
+    auto seen = placement::ViewOfPicture(*read, frame.angle_deg, frame.label);
     if (!seen) return Forward(seen);
     if (!seen->mask.empty())
       if (Status status = rig::WriteImage(masks / Format("%03zu.png", i), seen->mask); !status)
@@ -142,7 +97,7 @@ Result<Observed> Observe(const rig::Session& session, const TargetArguments& arg
     observed.from_masks |= seen->from_mask;
     observed.remarks.insert(observed.remarks.end(), seen->remarks.begin(), seen->remarks.end());
     observed.views.push_back(std::move(seen->view));
-    observed.shown.push_back(i % every == 0 ? picture : cv::Mat());
+    observed.shown.push_back(i % every == 0 ? read->lit : cv::Mat());
     progress.Step();
   }
   if (observed.from_masks)
@@ -211,35 +166,32 @@ Status WriteAll(const rig::RigCalibration& calibration, const calib::TargetShape
 }
 
 int CalibrateTarget(const TargetArguments& arguments) {
-  const auto session = rig::ReadSession(arguments.session);
-  if (!session) return Fail(session.error());
   const auto calibration = rig::ReadRigCalibration(arguments.calibration);
   if (!calibration) return Fail(calibration.error());
-  const auto shape = rig::ReadTarget(*session);
-  if (!shape) return Fail(shape.error());
-  Status status = CheckTogether(*session, *calibration);
-  if (status) status = CheckOutputFolder(arguments.out, arguments.session);
+  const auto input = ReadInput(arguments, *calibration);
+  if (!input) return Fail(input.error());
+  const calib::TargetShape& shape = input->shape;
+  Status status = CheckOutputFolder(arguments.out, arguments.pictures);
   if (!status) return Fail(status.error());
   std::vector<placement::PickedPoint> picked;
   if (!arguments.points.empty()) {
-    auto read = placement::ReadPickedPoints(arguments.points, session->frames.size());
+    auto read = placement::ReadPickedPoints(arguments.points, input->pictures.frames.size());
     if (!read) return Fail(read.error());
     picked = std::move(*read);
   }
-  const auto observed = Observe(*session, arguments);
+  const auto observed = Observe(input->pictures, arguments.out);
   if (!observed) return Fail(observed.error());
   placement::PlacementOptions options = arguments.options;
   if (observed->from_masks)
     options.edge_offset_sigma = std::max(options.edge_offset_sigma, placement::kMaskOffsetSigma);
-  const auto placed =
-      placement::PlaceTarget(*calibration, *shape, observed->views, picked, options);
+  const auto placed = placement::PlaceTarget(*calibration, shape, observed->views, picked, options);
   std::vector<std::string> remarks = observed->remarks;
   if (!placed) {
     for (const std::string& remark : remarks) std::cerr << "remark: " << remark << "\n";
     return Fail(placed.error());
   }
   remarks.insert(remarks.end(), placed->remarks.begin(), placed->remarks.end());
-  status = WriteAll(*calibration, *shape, *observed, *placed, remarks, arguments.out);
+  status = WriteAll(*calibration, shape, *observed, *placed, remarks, arguments.out);
   if (!status) return Fail(status.error());
   for (const std::string& remark : remarks) std::cout << "remark: " << remark << "\n";
   std::cout << placement::Verdict(*placed, observed->views, calibration->length_unit)
@@ -250,8 +202,9 @@ int CalibrateTarget(const TargetArguments& arguments) {
 
 void AddOptions(CLI::App& command, TargetArguments& arguments) {
   command
-      .add_option("SESSION", arguments.session,
-                  "A session with the target on the table; its poses are not used")
+      .add_option("PICTURES", arguments.pictures,
+                  "A raw capture's folder (its frames of the kinds target, empty and lamp-off), or "
+                  "a session, whose poses are not used")
       ->required();
   command
       .add_option("--calibration", arguments.calibration,
@@ -260,12 +213,13 @@ void AddOptions(CLI::App& command, TargetArguments& arguments) {
       ->type_name("FILE");
   AddOut(command, arguments.out,
          "Folder for rig-calibration.json with X_AT, placement.json, masks and the report");
+  AddTargetShapeOptions(command, arguments.target);
   command
-      .add_option("--empty", arguments.empty,
+      .add_option("--empty", arguments.companions.empty,
                   "Picture of the empty table: one, or one for each frame")
       ->type_name("IMAGE");
   command
-      .add_option("--lamp-off", arguments.lamp_off,
+      .add_option("--lamp-off", arguments.companions.lamp_off,
                   "Picture with the lamps off, subtracted: one, or one for each frame")
       ->type_name("IMAGE");
   command
@@ -289,10 +243,10 @@ void AddCalibrateTarget(CLI::App& calibrate, Action& action) {
   CLI::App* command = AddCommand(
       calibrate, "target",
       "Where the target stands on the table: X_AT from its outlines at several angles. Masks are "
-      "the "
-      "session's; without them what differs from --empty, or what is bright before a dark "
-      "background",
-      "turnlight calibrate target my_session --calibration axis/rig-calibration.json --out target");
+      "the session's; without them what differs from the empty table, or what is bright before a "
+      "dark background",
+      "turnlight calibrate target pictures --mesh cat.ply --calibration rig-calibration.json --out "
+      "target");
   auto arguments = std::make_shared<TargetArguments>();
   AddOptions(*command, *arguments);
   command->callback(

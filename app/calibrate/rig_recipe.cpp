@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "app/rig_config.h"
+#include "app/run_config.h"
 #include "base/file.h"
 #include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/lens/lens_model_name.h"
@@ -157,8 +158,16 @@ Status CheckProps(const RigRecipe& recipe, const std::string& where) {
 
 }  // namespace
 
+Result<bool> IsRigRecipe(const fs::path& path) {
+  const auto text = ReadTypedFile(path, kMaxRecipeBytes);
+  if (!text) return Forward(text);
+  const auto document = ParseYaml(*text, path.string());
+  if (!document) return Forward(document);
+  return document->root.is_object() && document->root.contains("calibrate");
+}
+
 Result<RigRecipe> ReadRigRecipe(const fs::path& path) {
-  const auto text = ReadFile(path, kMaxRecipeBytes);
+  const auto text = ReadTypedFile(path, kMaxRecipeBytes);
   if (!text) return Forward(text);
   const auto document = ParseYaml(*text, path.string());
   if (!document) return Forward(document);
@@ -185,6 +194,9 @@ Result<RigRecipe> ReadRigRecipe(const fs::path& path) {
   if (status && simulator) status = ReadSimulatorSection(*simulator, recipe);
   if (status && simulator) status = CheckProps(recipe, root.Where("simulator"));
   if (!status) return Forward(status);
+  // What the capture at the end needs is wrong now or never.
+  if (const auto run = ParseRunConfig(recipe.run_text, path.string(), path); !run)
+    return Forward(run);
   auto devices = ParseDeviceConfig(recipe.run_text, path);
   if (!devices) return Forward(devices);
   recipe.devices = std::move(*devices);

@@ -62,6 +62,9 @@ struct RigRecipe {
   std::map<std::string, rig::sim::Prop> props;
 };
 
+// Whether the file is one: it has a section calibrate. Fails (kInput) if it is no YAML.
+Result<bool> IsRigRecipe(const std::filesystem::path& path);
+
 // Fails (kInput) with file, line, key and what is allowed.
 Result<RigRecipe> ReadRigRecipe(const std::filesystem::path& path);
 

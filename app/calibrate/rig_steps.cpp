@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/calibrate/raw_taking.h"
+#include "app/calibrate/target_pictures.h"
 #include "app/progress.h"
 #include "base/file.h"
 #include "base/format.h"
@@ -188,6 +189,7 @@ rig::RigCalibration Combine(const RigWork& work, const rig::RawCapture& capture,
   calibration.radiometry = capture.radiometry;
   calibration.devices = capture.devices;
   calibration.devices.lens = work.recipe.lens_note;
+  rig::MarkFound(calibration, {"X_WC", "X_WA", "angle_scale", "angle_offset"});
   rig::CalibrationCovariances& known = calibration.covariances;
   known.X_WC = axis.covariance.topLeftCorner(6, 6);
   known.X_WA = Eigen::MatrixXd::Zero(6, 6);  // by choice of W
@@ -203,43 +205,22 @@ rig::RigCalibration Combine(const RigWork& work, const rig::RawCapture& capture,
   return calibration;
 }
 
-// The mean of the empty table's pictures, linear.
-Result<cv::Mat> EmptyTable(const rig::RawCapture& capture, const calib::Radiometry& radiometry) {
-  const auto frames = rig::FramesOfKind(capture, "empty");
-  cv::Mat sum;
-  for (const std::size_t i : frames) {
-    const auto image = rig::ReadRawImage(capture, i);
-    if (!image) return Forward(image);
-    const cv::Mat linear =
-        calib::Linearise(*image, radiometry, capture.frames[i].exposure).radiance;
-    sum = sum.empty() ? linear : cv::Mat(sum + linear);
-  }
-  return cv::Mat(sum / static_cast<double>(frames.size()));
-}
-
 struct TargetViews {
   std::vector<placement::View> views;
   std::vector<cv::Mat> shown;
 };
 
-Result<TargetViews> LookAtTarget(const rig::RawCapture& capture,
-                                 const calib::Radiometry& radiometry) {
-  const auto empty = EmptyTable(capture, radiometry);
-  if (!empty) return Forward(empty);
-  const auto frames = rig::FramesOfKind(capture, "target");
-  const std::size_t every = (frames.size() + kShownViews - 1) / kShownViews;
+Result<TargetViews> LookAtTarget(const TargetPictures& pictures) {
+  const std::size_t count = pictures.frames.size();
+  const std::size_t every = (count + kShownViews - 1) / kShownViews;
   TargetViews seen;
-  for (const std::size_t i : frames) {
-    const rig::RawCaptureFrame& frame = capture.frames[i];
-    const auto image = rig::ReadRawImage(capture, i);
-    if (!image) return Forward(image);
-    placement::Pictures pictures;
-    pictures.lit = calib::Linearise(*image, radiometry, frame.exposure).radiance;
-    pictures.empty = *empty;
-    const double angle_deg = frame.angle_measured_deg.value_or(frame.angle_deg.value_or(0.0));
-    auto view = placement::ViewOfPicture(pictures, angle_deg, rig::FrameLabel(i, angle_deg));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto read = pictures.read(i);
+    if (!read) return Forward(read);
+    auto view =
+        placement::ViewOfPicture(*read, pictures.frames[i].angle_deg, pictures.frames[i].label);
     if (!view) return Forward(view);
-    seen.shown.push_back(seen.views.size() % every == 0 ? pictures.lit : cv::Mat());
+    seen.shown.push_back(i % every == 0 ? read->lit : cv::Mat());
     seen.views.push_back(std::move(view->view));
   }
   return seen;
@@ -368,7 +349,9 @@ Result<TargetFound> FindTarget(const RigWork& work, const AxisFound& axis_found)
     capture = Take(work, {"target", "target", "put the target on the table, where it stays",
                           TurningOrder("target"), work.recipe.target});
   if (!capture) return Forward(capture);
-  const auto seen = LookAtTarget(*capture, axis_found.calibration.radiometry);
+  const auto pictures = TargetPicturesOf(*capture, axis_found.calibration, {});
+  if (!pictures) return Forward(pictures);
+  const auto seen = LookAtTarget(*pictures);
   if (!seen) return Forward(seen);
   placement::PlacementOptions options;
   options.upright = std::holds_alternative<calib::MeshShape>(work.recipe.shape);

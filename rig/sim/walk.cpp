@@ -20,8 +20,7 @@ constexpr double kSlow = 1.3, kFast = 3.7;
 double Sway(const Walk& walk, std::uint64_t which, double walked_deg) {
   const RandomStream random(walk.seed, which);
   const auto wave = [&](std::uint64_t i, double waves) {
-    return std::sin(waves * DegToRad(walked_deg) +
-                    random.Uniform(i, 0.0, 2.0 * std::numbers::pi));
+    return std::sin(waves * DegToRad(walked_deg) + random.Uniform(i, 0.0, 2.0 * std::numbers::pi));
   };
   return 0.6 * wave(0, kSlow) + 0.4 * wave(1, kFast);
 }
@@ -64,8 +63,8 @@ calib::RigPoses PosesOf(const Walk& walk, const calib::OrbitGeometry& orbit, dou
   const double distance = orbit.distance * (1.0 + walk.distance_share * Sway(walk, 1, walked_deg));
   const calib::Pose upright =
       calib::LookAtOrigin(DegToRad(walked_deg), DegToRad(elevation_deg), distance);
-  const calib::Pose roll = calib::Turn(Eigen::Vector3d::UnitZ(),
-                                       DegToRad(walk.roll_deg * Sway(walk, 2, walked_deg)));
+  const calib::Pose roll =
+      calib::Turn(Eigen::Vector3d::UnitZ(), DegToRad(walk.roll_deg * Sway(walk, 2, walked_deg)));
   calib::Pose X_WT = calib::Turn(Eigen::Vector3d::UnitZ(), DegToRad(walk.turn_deg));
   X_WT.translation = walk.at;
   return {upright * roll, X_WT * orbit.X_WT};

@@ -153,7 +153,7 @@ std::vector<BadInput> DamagedDescriptions() {
          std::filesystem::rename(s / "frames/001.png", s.parent_path() / "outside.png");
          std::filesystem::create_symlink("../../outside.png", s / "frames/001.png");
        },
-       {"frames/1/image", "link", "out of the session"}},
+       {"frames/1/image", "link", "out of its folder"}},
       {"UnknownKey",
        edit([](ordered_json& json) { json["frames"][1]["angel_deg"] = 3; }),
        {"frames/1/angel_deg", "unknown key"}},

@@ -141,9 +141,8 @@ TEST_F(FolderCameraTest, AnotherCalibrationIsAnotherRig) {
   WriteText(folder_ / "c.yaml", Config(Rig()));
   const RunFolder run(folder_ / "run");
   ASSERT_EQ(RunCapture(folder_ / "c.yaml", run, CaptureGoal::kSession, drivers_), 0);
-  std::string calibration = ReadText(folder_ / "rig-calibration.json");
-  Replace(calibration, "\"angle_offset\": {\"value\":0.0", "\"angle_offset\": {\"value\":0.5");
-  WriteText(folder_ / "rig-calibration.json", calibration);
+  EditCalibration(folder_ / "rig-calibration.json", "\"angle_offset\": {\"value\":0.0",
+                  "\"angle_offset\": {\"value\":0.5");
   const RunFolder again(folder_ / "again");
   testing::internal::CaptureStderr();
   EXPECT_EQ(ReplayCapture(folder_ / "run/log", again, drivers_), 2);
@@ -155,9 +154,7 @@ TEST_F(FolderCameraTest, AnotherCalibrationIsAnotherRig) {
 }
 
 TEST_F(FolderCameraTest, OtherDevicesThanTheCalibrationsAreRefused) {
-  std::string calibration = ReadText(folder_ / "rig-calibration.json");
-  Replace(calibration, "\"serial\":\"frames\"", "\"serial\":\"C-17\"");
-  WriteText(folder_ / "rig-calibration.json", calibration);
+  EditCalibration(folder_ / "rig-calibration.json", "\"serial\":\"frames\"", "\"serial\":\"C-17\"");
   WriteText(folder_ / "c.yaml", Config(Rig()));
   const RunFolder run(folder_ / "run");
   testing::internal::CaptureStderr();

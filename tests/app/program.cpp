@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "rig/sim/synthetic_session.h"
@@ -78,6 +79,14 @@ void Replace(std::string& text, const std::string& what, const std::string& by) 
   const std::size_t at = text.find(what);
   ASSERT_NE(at, std::string::npos) << what;
   text.replace(at, what.size(), by);
+}
+
+void EditCalibration(const std::string& path, const std::string& what, const std::string& by) {
+  std::string text = ReadText(path);
+  Replace(text, what, by);
+  text = std::regex_replace(text, std::regex(",?\\s*\"sha256\": ?\"[0-9a-f]{64}\"(?=\\s*\\}\\s*$)"),
+                            "");
+  WriteText(path, text);
 }
 
 void RunQuickly(std::string& config) {

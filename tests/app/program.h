@@ -38,6 +38,9 @@ void Replace(std::string& text, const std::string& what, const std::string& by);
 // Makes a run's config one for real time with little to wait for.
 void RunQuickly(std::string& config);
 
+// A calibration's file with one text replaced, and without the checksum that would show it.
+void EditCalibration(const std::string& path, const std::string& what, const std::string& by);
+
 // What `verify` says of a session's bytes; a test failure if the session is not good.
 std::string ContentOf(const std::string& session);
 // result.json of a result's folder but for what its times are, as text.

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -14,9 +13,11 @@
 #include "base/format.h"
 #include "calib/rig_geometry.h"
 #include "rig/session/image_file.h"
+#include "rig/session/jpeg_file.h"
 #include "rig/session/session.h"
 #include "rig/sim/board_picture.h"
 #include "tests/app/program.h"
+#include "tests/rig/session/jpeg_writer.h"
 
 namespace turnlight::app {
 namespace {
@@ -103,8 +104,8 @@ TEST_F(Register, JpegPicturesBecomePngWithANote) {
     const std::string png = TakeBoard(azimuth);
     pictures.push_back(fs::path(png).replace_extension(".jpg"));
     cv::Mat colour;
-    cv::cvtColor(cv::imread(png, cv::IMREAD_GRAYSCALE), colour, cv::COLOR_GRAY2BGR);
-    ASSERT_TRUE(cv::imwrite(pictures.back(), colour, {cv::IMWRITE_JPEG_QUALITY, 95}));
+    cv::cvtColor(*rig::ReadImage(png), colour, cv::COLOR_GRAY2RGB);
+    WriteText(pictures.back(), rig::WriteJpeg(colour));
   }
   std::vector<std::string> more = board_;
   for (const char* word : {"--sphere", "20", "--step-deg", "5"}) more.push_back(word);
@@ -116,7 +117,10 @@ TEST_F(Register, JpegPicturesBecomePngWithANote) {
   EXPECT_EQ(session->radiometry.encoding, calib::Encoding::kSrgb);
   ASSERT_EQ(session->frames.size(), 2u);
   EXPECT_EQ(session->frames[1].image, "frames/001.png");
-  EXPECT_EQ(cv::norm(cv::imread(fs::path(out_) / session->frames[1].image), cv::imread(pictures[1]),
+  const auto jpeg =
+      rig::DecodeJpeg(ReadText(pictures[1]), pictures[1], rig::JpegChannels::kAsStored);
+  ASSERT_TRUE(jpeg) << jpeg.error().text;
+  EXPECT_EQ(cv::norm(*rig::ReadImage(fs::path(out_) / session->frames[1].image), jpeg->image,
                      cv::NORM_INF),
             0.0);
   EXPECT_EQ(RunProgram({"verify", out_}).exit_code, 0);

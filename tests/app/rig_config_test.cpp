@@ -171,7 +171,6 @@ TEST(RigConfig, ACalibrationOfTheSimulationItselfGivesTheSameBytes) {
   rig::RigCalibration calibration(made->known.lens);
   calibration.geometry = std::get<calib::TurntableGeometry>(made->known.geometry);
   calibration.radiometry = made->known.radiometry;
-  calibration.noise = made->known.noise;
   calibration.devices = {{"turnlight", "mock camera", "MOCK-CAMERA-1"},
                          {"turnlight", "mock turntable", "MOCK-TABLE-1"},
                          {80, 60},

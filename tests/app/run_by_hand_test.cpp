@@ -107,8 +107,7 @@ TEST_F(RunByHand, PlanSaysWhatItCan) {
 }
 
 TEST_F(RunByHand, WhatCannotBeIsRefused) {
-  const auto refused = [&](const std::string& what, const std::string& by,
-                           const std::string& why) {
+  const auto refused = [&](const std::string& what, const std::string& by, const std::string& why) {
     const Outcome run = RunProgram({"run", Config(what, by), "--out", Out("refused")});
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_THAT(run.err, HasSubstr(why));
@@ -123,7 +122,8 @@ TEST_F(RunByHand, WhatCannotBeIsRefused) {
           "camera: {type: camera}\n    table: {type: turntable}",
           "1 nodes of type turntable, allowed is exactly 0 with handheld_keyframes");
   refused("columns: 8, rows: 6, spacing: 16, marker: 12, dictionary: 4X4_50}\n        at",
-          "columns: 8, rows: 6, spacing: 16, marker: 17, dictionary: 4X4_50}\n        at", "marker");
+          "columns: 8, rows: 6, spacing: 16, marker: 17, dictionary: 4X4_50}\n        at",
+          "marker");
   refused("  target: {shape: sphere, radius: 25}\n  length_unit: mm",
           "  target: {shape: sphere, radius: 25}\n  lens: none.cameramodel", "none.cameramodel");
 }

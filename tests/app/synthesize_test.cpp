@@ -160,9 +160,8 @@ TEST(Config, TheExamplesOfRealRigsAreGoodBesideACalibration) {
     const Outcome made = RunProgram(
         {"simulate", folder / "sim.yaml", "--calibration", folder / "rig-calibration.json"});
     EXPECT_EQ(made.exit_code, 0) << made.err;
-    std::string calibration = ReadText(folder / "rig-calibration.json");
-    Replace(calibration, "\"roi_offset\":[0,0]", std::string("\"roi_offset\":") + rig.roi_offset);
-    WriteText(folder / "rig-calibration.json", calibration);
+    EditCalibration(folder / "rig-calibration.json", "\"roi_offset\":[0,0]",
+                    std::string("\"roi_offset\":") + rig.roi_offset);
     WriteText(folder / "target.ply", ReadText(configs + "hil/target.ply"));
     const Outcome checked = RunProgram({"config", "check", folder / rig.file});
     EXPECT_EQ(checked.exit_code, 0) << checked.err;

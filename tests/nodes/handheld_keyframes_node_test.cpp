@@ -1,7 +1,7 @@
-// Proves of the node that leads a capture by hand, with a simulated camera that is carried: poses as
-// they truly were, views as far apart as asked, guidance that says what is wrong; bounded patience
-// with a camera that fails and with a person who shows nothing new; views that were kept before are
-// not taken again. Does not test the session (tests/app) nor real cameras.
+// Proves of the node that leads a capture by hand, with a simulated camera that is carried: poses
+// as they truly were, views as far apart as asked, guidance that says what is wrong; bounded
+// patience with a camera that fails and with a person who shows nothing new; views that were kept
+// before are not taken again. Does not test the session (tests/app) nor real cameras.
 #include "nodes/handheld_keyframes_node.h"
 
 #include <gmock/gmock.h>
@@ -99,9 +99,9 @@ Walked CarryIt(const Options& options, std::int64_t count = 3) {
   auto work = std::make_shared<CaptureWork>();
   work->frames = rig::PlannedFrames(job.plan);
   work->kept = options.kept;
-  auto graph = Expect(graph::Graph::Build(
-      Expect(graph::ParseGraphConfig(options.graph, "by_hand.yaml")),
-      CaptureNodes({setup, job, work})));
+  auto graph =
+      Expect(graph::Graph::Build(Expect(graph::ParseGraphConfig(options.graph, "by_hand.yaml")),
+                                 CaptureNodes({setup, job, work})));
   Walked walked;
   walked.walk = *world.config.camera.walk;
   walked.orbit = std::get<calib::OrbitGeometry>(world.studio->rig);
@@ -170,8 +170,7 @@ TEST(HandheldKeyframes, APersonWhoShowsNothingNewIsToldWhyUntilTheTimeIsUp) {
       CarryIt({.graph = With(kGraph, "pause_ms: 300", "pause_ms: 300, blur_max_px: 0.1")});
   EXPECT_THAT(blurred.guidance, Contains(HasSubstr("too blurred: edges of ")));
   EXPECT_TRUE(blurred.brackets.empty());
-  const Walked still =
-      CarryIt({.world = With(kWorld, "speed_deg_s: 9", "speed_deg_s: 0.01")});
+  const Walked still = CarryIt({.world = With(kWorld, "speed_deg_s: 9", "speed_deg_s: 0.01")});
   EXPECT_EQ(still.brackets.size(), 1u);
   EXPECT_THAT(still.guidance, Contains(HasSubstr("move on ")));
   const Walked dark =

@@ -144,12 +144,14 @@ DetectedBoard TagGridFrom(const cv::Mat& levelled, const Board& board, const Fit
                       board.marker;
   const auto points = BoardPoints(board);
   std::vector<PrintEdge> edges;
+  double shortest = std::numeric_limits<double>::infinity();  // side of a tag
   std::vector<SeenPoint> seen;
   std::vector<Eigen::Vector2d> on_board, pixels;
   for (const SeenMarker& marker : fit.markers) {
     double side = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 4; ++k)
       side = std::min(side, (marker.corners[k] - marker.corners[(k + 1) % 4]).norm());
+    shortest = std::min(shortest, side);
     const auto refined =
         RefineQuad(levelled, marker.corners, std::clamp(0.5 * even * side, 1.5, 4.0));
     if (!refined) continue;
@@ -166,7 +168,7 @@ DetectedBoard TagGridFrom(const cv::Mat& levelled, const Board& board, const Fit
   }
   DetectedBoard found;
   found.edge_sigma = EdgeSigma(levelled, edges);
-  const auto regular = Regular(on_board, pixels);
+  const auto regular = Regular(on_board, pixels, shortest);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     seen[i].spread = SpreadOf(found.edge_sigma);
     if (regular[i]) found.view.points.push_back(seen[i]);

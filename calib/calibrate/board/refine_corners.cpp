@@ -16,6 +16,7 @@ constexpr int kLeastWindow = 2;
 constexpr int kLargestWindow = 12;    // more averages over the lens's bend rather than noise
 constexpr double kLedAway = 0.35;     // of the reach
 constexpr double kOutlier = 6.0;      // robust sigmas,
+constexpr double kWaves = 0.03;       // nor than so much of the step between points,
 constexpr double kAlwaysGood = 0.75;  // but never less than so many pixels
 
 // The step to the next corner in a direction, from both sides where both are there.
@@ -138,7 +139,7 @@ void RefineCorners(const cv::Mat& picture, CornerLattice& lattice) {
 }
 
 std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
-                          const std::vector<Eigen::Vector2d>& pixels) {
+                          const std::vector<Eigen::Vector2d>& pixels, double step) {
   std::vector<bool> regular(places.size(), true);
   if (places.empty()) return regular;
   PlaneFit fit{Normalised(places), pixels, std::vector<double>(places.size(), 1.0)};
@@ -155,21 +156,25 @@ std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
     }
   }
   for (std::size_t i = 0; i < misfits.size(); ++i)
-    regular[i] = misfits[i] <= std::max(kAlwaysGood, kOutlier * sigma);
+    regular[i] = misfits[i] <= std::max({kAlwaysGood, kWaves * step, kOutlier * sigma});
   return regular;
 }
 
 void DropOutliers(CornerLattice& lattice) {
   std::vector<std::size_t> corners;
+  std::vector<double> steps;
   std::vector<Eigen::Vector2d> places, pixels;
   for (int row = 0; row < lattice.rows; ++row)
     for (int column = 0; column < lattice.columns; ++column) {
       if (!lattice.Has(column, row)) continue;
       corners.push_back(lattice.Index(column, row));
+      steps.push_back(FreeReach(lattice, column, row));
       places.emplace_back(column, row);
       pixels.push_back(lattice.At(column, row));
     }
-  const auto regular = Regular(places, pixels);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const auto regular = Regular(places, pixels, steps.empty() ? 0.0 : *middle);
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (!regular[i]) lattice.corners[corners[i]].reset();
 }

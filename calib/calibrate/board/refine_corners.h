@@ -16,10 +16,12 @@ std::optional<Eigen::Vector2d> RefineCorner(const cv::Mat& picture, const Eigen:
 // All corners of a lattice; drops those that are led away.
 void RefineCorners(const cv::Mat& picture, CornerLattice& lattice);
 
-// Does each point lie where a plane under a lens has it: a homography, and a cubic on top for the
-// lens, fitted robustly? places: on the board, any unit.
+// Does each point lie where a plane under a lens has it: a homography, and a polynomial of the
+// third or fourth degree on top for the lens, fitted robustly? places: on the board, any unit.
+// step: pixels between neighbouring points; a paper's waves are a few hundredths of it, and no
+// fault.
 std::vector<bool> Regular(const std::vector<Eigen::Vector2d>& places,
-                          const std::vector<Eigen::Vector2d>& pixels);
+                          const std::vector<Eigen::Vector2d>& pixels, double step);
 
 // Drops corners that are not regular.
 void DropOutliers(CornerLattice& lattice);

@@ -17,14 +17,17 @@ using Eigen::Vector3d;
 constexpr double kBorder = 4.0;       // pixels
 constexpr int kTangentPoints = 5;     // along the outline, on each side
 constexpr double kSampleStep = 0.25;  // pixels along the normal
-constexpr int kSamples = 45;          // from -5 to 6 pixels: the mask's edge is at 0.5
-constexpr double kFirstSample = -5.0, kMaskEdge = 0.5;
+constexpr int kSamples = 53;          // from -7 to 6 pixels: the mask's edge is at 0.5
+constexpr double kFirstSample = -7.0, kMaskEdge = 0.5;
 constexpr double kLevelFrom = 2.5, kLevelTo = 4.5;  // from the edge, where levels are taken
-constexpr double kFarthest = 2.5;                   // pixels from the mask's edge
-constexpr double kLeastContrast = 0.25;             // of the median along the outline
-constexpr double kLeastSignal = 5.0;                // sigma of the noise
-constexpr double kLeastSigma = 0.05;                // pixels
-constexpr double kMaskBlur = 1.0;                   // pixels
+constexpr double kShadeTo = 7.0;                    // likewise, where the target's shading is taken
+constexpr double kOfShading = 0.5;       // of what shading moves an edge by: how well that is known
+constexpr double kLeastEdge = 0.3;       // of the level inside: what shading may leave at the edge
+constexpr double kFarthest = 2.5;        // pixels from the mask's edge
+constexpr double kLeastContrast = 0.25;  // of the median along the outline
+constexpr double kLeastSignal = 5.0;     // sigma of the noise
+constexpr double kLeastSigma = 0.05;     // pixels
+constexpr double kMaskBlur = 1.0;        // pixels
 constexpr std::size_t kFewContourPoints = 8;
 
 // Three channels, those that are missing 0.
@@ -67,34 +70,65 @@ struct Edge {
   double at = 0.0;        // along the normal
   double contrast = 0.0;  // between the levels
   double slope = 0.0;     // of the share, per pixel
+  double shading = 0.0;   // how far it would be moved if the target's shading were overlooked
 };
 
-std::optional<Edge> EdgeAlong(const cv::Mat3f& signal, const Vector2d& from,
-                              const Vector2d& normal) {
+// The picture along a normal: the share of the target's level over the background's.
+struct Profile {
+  std::array<double, kSamples> share;
+  double contrast = 0.0;   // between the levels
+  double per_pixel = 0.0;  // of the share inside, by shading, towards the outside
+};
+
+double SampleAt(int i) { return kFirstSample + kSampleStep * i; }
+
+std::optional<Profile> ProfileAlong(const cv::Mat3f& signal, const Vector2d& from,
+                                    const Vector2d& normal) {
   std::array<Vector3d, kSamples> values;
   Vector3d inside = Vector3d::Zero(), outside = Vector3d::Zero();
   double count_inside = 0.0, count_outside = 0.0;
   for (int i = 0; i < kSamples; ++i) {
-    const double at = kFirstSample + kSampleStep * i, away = at - kMaskEdge;
-    Vector3d& value = values[static_cast<std::size_t>(i)] = Sample(signal, from + at * normal);
+    const double away = SampleAt(i) - kMaskEdge;
+    Vector3d& value = values[static_cast<std::size_t>(i)] =
+        Sample(signal, from + SampleAt(i) * normal);
     if (std::abs(away) < kLevelFrom || std::abs(away) > kLevelTo) continue;
     (away < 0.0 ? inside : outside) += value;
     (away < 0.0 ? count_inside : count_outside) += 1.0;
   }
   outside /= count_outside;
   const Vector3d change = inside / count_inside - outside;
+  Profile profile;
+  profile.contrast = change.norm();
+  if (!(profile.contrast > 0.0)) return std::nullopt;
+  double n = 0.0, x = 0.0, xx = 0.0, y = 0.0, xy = 0.0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double share =
+        (values[static_cast<std::size_t>(i)] - outside).dot(change) / change.squaredNorm();
+    profile.share[static_cast<std::size_t>(i)] = share;
+    const double away = SampleAt(i) - kMaskEdge;
+    if (away > -kLevelFrom || away < -kShadeTo) continue;
+    n += 1.0, x += away, xx += away * away, y += share, xy += away * share;
+  }
+  profile.per_pixel = (n * xy - x * y) / (n * xx - x * x);
+  return profile;
+}
+
+// Where the share passes half of what the target would have there.
+std::optional<Edge> HalfWay(const Profile& profile, double per_pixel) {
+  constexpr double kLevelAt = -0.5 * (kLevelFrom + kLevelTo);
+  const auto above = [&](int i) {
+    const double away = SampleAt(i) - kMaskEdge;
+    return profile.share[static_cast<std::size_t>(i)] -
+           0.5 * std::max(kLeastEdge, 1.0 + per_pixel * (away - kLevelAt));
+  };
   Edge edge;
-  edge.contrast = change.norm();
-  if (!(edge.contrast > 0.0)) return std::nullopt;
+  edge.contrast = profile.contrast;
   double nearest = kFarthest;
   bool found = false;
   for (int i = 0; i + 1 < kSamples; ++i) {
-    const auto share = [&](int k) {
-      return (values[static_cast<std::size_t>(k)] - outside).dot(change) / change.squaredNorm();
-    };
-    const double a = share(i), b = share(i + 1);
-    if (!(a >= 0.5 && b < 0.5)) continue;
-    const double at = kFirstSample + kSampleStep * (i + (a - 0.5) / (a - b));
+    const double a = above(i), b = above(i + 1);
+    if (!(a >= 0.0 && b < 0.0)) continue;
+    const double at = kFirstSample + kSampleStep * (i + a / (a - b));
     if (std::abs(at - kMaskEdge) > nearest) continue;
     nearest = std::abs(at - kMaskEdge);
     edge.at = at;
@@ -102,6 +136,19 @@ std::optional<Edge> EdgeAlong(const cv::Mat3f& signal, const Vector2d& from,
     found = true;
   }
   return found ? std::optional(edge) : std::nullopt;
+}
+
+// A target that is shaded towards its outline has another level there than further inside: a line
+// through the levels inside says which.
+std::optional<Edge> EdgeAlong(const cv::Mat3f& signal, const Vector2d& from,
+                              const Vector2d& normal) {
+  const auto profile = ProfileAlong(signal, from, normal);
+  if (!profile) return std::nullopt;
+  auto edge = HalfWay(*profile, profile->per_pixel);
+  const auto plain = HalfWay(*profile, 0.0);
+  if (!edge || !plain) return std::nullopt;
+  edge->shading = edge->at - plain->at;
+  return edge;
 }
 
 // Away from the mask, along the outline's points.
@@ -138,7 +185,8 @@ std::vector<OutlinePoint> OutlineOf(const cv::Mat3f& signal, const cv::Mat1b& ma
       const auto edge = EdgeAlong(signal, from, *normal);
       if (!edge || edge->contrast < kLeastSignal * noise) continue;
       points.push_back({from + edge->at * *normal, *normal,
-                        std::hypot(kLeastSigma, noise / (edge->contrast * edge->slope))});
+                        std::hypot(kLeastSigma, noise / (edge->contrast * edge->slope),
+                                   kOfShading * edge->shading)});
       contrasts.push_back(edge->contrast);
     }
   }

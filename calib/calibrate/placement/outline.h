@@ -9,10 +9,12 @@
 namespace turnlight::calib::calibrate::placement {
 
 // Where the picture passes half way from the target's level to the background's, along normals of
-// the mask's outline: levels 3 to 5 pixels inside and outside. picture: linear, CV_32FC1 or
-// CV_32FC3; empty: of the empty table, subtracted, or none. Sigma is what the noise makes of the
-// slope, at least 0.05 pixels. Left out: points within 4 pixels of the border, with little
-// contrast, or whose edge is not where the mask has it.
+// the mask's outline: levels 3 to 5 pixels inside and outside, the former brought to the edge by a
+// line through the levels 3 to 7 pixels inside, as a body's shading is steep there. picture:
+// linear, CV_32FC1 or CV_32FC3; empty: of the empty table, subtracted, or none. Sigma is what the
+// noise makes of the slope and half of what that line changes, at least 0.05 pixels. Left out:
+// points within 4 pixels of the border, with little contrast, or whose edge is not where the mask
+// has it.
 std::vector<OutlinePoint> FindOutline(const cv::Mat& picture, const cv::Mat& empty,
                                       const cv::Mat1b& mask);
 

@@ -270,6 +270,7 @@ rig::RigCalibration WithTarget(const rig::RigCalibration& calibration, const Pla
   rig::RigCalibration with = calibration;
   with.geometry.X_AT = placement.X_AT;
   with.target_placed = true;
+  rig::MarkFound(with, {"X_AT"});
   // Symmetric to the last bit, as sums of products are not.
   const Eigen::MatrixXd own = 0.5 * (placement.covariance + placement.covariance.transpose());
   with.covariances.X_AT = own;

@@ -95,14 +95,16 @@ Status StageSimulator::Plug(DeviceTime now) {
 }
 
 void StageSimulator::Unplug(DeviceTime now, double for_ms) {
+  {
+    const std::lock_guard lock(mutex_);
+    port_.clear();  // before the host can see it
+  }
   RemovePortLink(config_.link, terminal_->name());
   terminal_.reset();
   output_.clear();
   line_.Clear();
   if (IsFedByUsb(config_)) table_->Cut(now);
   plugged_at_ = now + DeviceTime(static_cast<std::int64_t>(for_ms * 1e6));
-  const std::lock_guard lock(mutex_);
-  port_.clear();
 }
 
 void StageSimulator::Run() {

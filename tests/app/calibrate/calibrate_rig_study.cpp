@@ -82,6 +82,10 @@ TEST_F(CalibrateRigStudy, TwoCalibrationsOfOneRigAreNearTheTruthAndAgree) {
               kSigmas * std::hypot(a["direction_sigma_deg"].get<double>(),
                                    b["direction_sigma_deg"].get<double>()));
   }
+  const Outcome compared =
+      RunProgram({"compare", Out(1) + "/capture/result", Out(2) + "/capture/result"});
+  std::cout << compared.out;
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
   const std::string before = ReadText(Out(1) + "/summary.json");
   Calibrate(1);
   EXPECT_EQ(ReadText(Out(1) + "/summary.json"), before);

@@ -126,7 +126,9 @@ TEST_F(CalibrateAxisCommand, KeepsTheRadiometryThatIsThere) {
 
 TEST_F(CalibrateAxisCommand, ARigWhoseTargetHasNoPlaceDoesNotCapture) {
   ASSERT_EQ(Calibrate(*folder_ / "unplaced.json").exit_code, 0);
-  std::string config = kBoardRig;
+  const std::string main =
+      ReadText(std::string(TURNLIGHT_SOURCE_DIR) + "/configs/simulated_turntable.yaml");
+  std::string config = kBoardRig + main.substr(main.find("\ngraph:"));
   Replace(config, "rig:\n", "rig:\n  calibration: unplaced.json\n");
   WriteText(*folder_ / "unplaced.yaml", config);
   for (const std::string command : {"capture", "plan"}) {

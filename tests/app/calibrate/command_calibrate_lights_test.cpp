@@ -77,7 +77,7 @@ TEST(CalibrateLights, RefusesInWords) {
   EXPECT_EQ(against.exit_code, 2);
   EXPECT_FALSE(fs::exists(folder / "lights"));
   std::string session = ReadText(folder / "ball/session.json");
-  Replace(session, "\"shape\": \"sphere\"", "\"shape\": \"cube\"");
+  Replace(session, "\"shape\":\"sphere\"", "\"shape\":\"cube\"");
   WriteText(folder / "ball/session.json", session);
   const Outcome cube =
       RunProgram({"calibrate", "lights", folder / "ball", "--out", folder / "lights"});

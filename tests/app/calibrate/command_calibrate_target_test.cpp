@@ -11,6 +11,7 @@
 #include "calib/rig_geometry.h"
 #include "rig/rig_calibration.h"
 #include "rig/session/image_file.h"
+#include "rig/session/raw_capture.h"
 #include "rig/session/session.h"
 #include "rig/sim/synthetic_session.h"
 #include "tests/app/program.h"
@@ -106,13 +107,57 @@ TEST(CalibrateTarget, RefusesWhatDoesNotFitTogether) {
 TEST(CalibrateTarget, SaysWhichFrameHasNoAngle) {
   const Scene scene;
   std::string text = ReadText(fs::path(scene.session) / "session.json");
-  const auto at = text.find("\"angle_deg\": ");
+  const auto at = text.find("\"angle_deg\":");
   ASSERT_NE(at, std::string::npos);
   text.erase(at, text.find(',', at) - at + 1);
   WriteText(fs::path(scene.session) / "session.json", text);
   const Outcome outcome = scene.Run();
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("frames/0/angle_deg: missing"));
+}
+
+// The same ball in a raw capture, which knows neither poses nor target; the empty table is in it.
+TEST(CalibrateTarget, OfARawCapture) {
+  const Scene scene;
+  const fs::path raw = scene.folder.path() / "raw";
+  const auto session = rig::ReadSession(scene.session);
+  ASSERT_TRUE(session);
+  rig::RawCapture capture;
+  capture.name = "raw";
+  capture.radiometry = session->radiometry;
+  capture.devices.resolution = {320, 240};
+  ASSERT_TRUE(MakeDirectory(raw));
+  const auto add = [&](const cv::Mat& picture, const std::string& name, const std::string& kind,
+                       std::optional<double> angle_deg) {
+    ASSERT_TRUE(rig::WriteImage(raw / name, picture));
+    rig::RawCaptureFrame frame;
+    frame.image = name;
+    frame.kind = kind;
+    frame.angle_deg = angle_deg;
+    frame.exposure.exposure_us = 1000.0;
+    capture.frames.push_back(frame);
+  };
+  for (std::size_t i = 0; i < session->frames.size(); ++i) {
+    const auto images = rig::ReadFrameImages(*session, i);
+    ASSERT_TRUE(images);
+    if (i == 0)
+      add(cv::Mat::zeros(images->image.size(), images->image.type()), "empty.png", "empty", {});
+    add(images->image, "target" + std::to_string(i) + ".png", "target",
+        session->frames[i].angle_deg);
+  }
+  ASSERT_TRUE(rig::WriteRawCapture(capture, raw));
+  const std::vector<std::string> line{"calibrate",       "target", raw.string(), "--calibration",
+                                      scene.calibration, "--out",  scene.out};
+  EXPECT_THAT(RunProgram(line).err,
+              HasSubstr("0 targets, allowed is one of --sphere, --plane and --mesh"));
+  std::vector<std::string> with = line;
+  with.insert(with.end(), {"--sphere", "40"});
+  const Outcome outcome = RunProgram(with);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto found = rig::ReadRigCalibration(scene.out + "/rig-calibration.json");
+  ASSERT_TRUE(found) << found.error().text;
+  EXPECT_LT(found->geometry.X_AT.translation.norm(), 0.1);
+  EXPECT_THAT(scene.Run({"--sphere", "40"}).err, HasSubstr("says itself what its target is"));
 }
 
 }  // namespace

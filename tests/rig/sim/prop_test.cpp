@@ -143,7 +143,8 @@ TEST(Prop, AFieldIsEvenButForTheVignetting) {
 }
 
 TEST(Prop, AMirrorBallShowsTheLightsAndTurnsWithTheTable) {
-  const Studio studio = StudioWith("prop: {kind: ball, radius: 25, offset: [20, 0, 25]}");
+  const Studio studio =
+      StudioWith("prop: {kind: ball, radius: 25, offset: [20, 0, 25], lamp_radius_deg: 5}");
   const cv::Mat3f first = RenderView(studio, {0.0}).radiance;
   double brightest = 0.0;
   cv::minMaxLoc(first.reshape(1), nullptr, &brightest);

@@ -80,7 +80,8 @@ TEST(Walk, ThePictureShowsTheTargetBeforeTheBoard) {
   const calib::RigPoses poses =
       PosesOf(*studio->walk, std::get<calib::OrbitGeometry>(studio->rig), 20.0);
   const auto target = RenderPlacement(*studio, poses);
-  const auto pixel = studio->camera.Project({poses.X_WC.Inverse() * poses.X_WT.translation}).front();
+  const auto pixel =
+      studio->camera.Project({poses.X_WC.Inverse() * poses.X_WT.translation}).front();
   const cv::Point middle(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
   EXPECT_EQ(picture.radiance(middle), target.radiance(middle));
   EXPECT_EQ(target.radiance(0, 0), cv::Vec3f(0, 0, 0));

@@ -17,7 +17,8 @@ Pose At(double azimuth_deg, double elevation_deg) {
 // Around T with keyframes at these azimuths and elevations.
 std::string Way(const std::vector<std::pair<double, double>>& keyframes, const Pose& X_TC) {
   ViewChange kept(10.0);
-  for (const auto& [azimuth, elevation] : keyframes) kept.Add(ViewDirection(At(azimuth, elevation)));
+  for (const auto& [azimuth, elevation] : keyframes)
+    kept.Add(ViewDirection(At(azimuth, elevation)));
   return WayOn(kept, X_TC, Eigen::Vector3d::UnitZ());
 }
 
@@ -34,9 +35,7 @@ TEST(WayOn, PassesOverWhatIsTaken) {
             "to the right");
 }
 
-TEST(WayOn, NeverLeadsDownToTheBoard) {
-  EXPECT_NE(Way({{0.0, 26.0}}, At(0.0, 24.0)), "down");
-}
+TEST(WayOn, NeverLeadsDownToTheBoard) { EXPECT_NE(Way({{0.0, 26.0}}, At(0.0, 24.0)), "down"); }
 
 TEST(WayOn, IsInTheCamerasWords) {
   // Rolled by 90 degrees: what was to the right is up or down now.
