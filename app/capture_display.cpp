@@ -35,12 +35,21 @@ CaptureDisplay::CaptureDisplay(std::size_t total, std::size_t done)
 std::string CaptureDisplay::BracketText(const nodes::Bracket& bracket, std::size_t done,
                                         std::size_t total) {
   char text[96];
-  std::snprintf(text, sizeof text, "frame %zu/%zu at %.6g\u00b0%s", done, total, bracket.angle_deg,
-                bracket.closure ? " (closure)" : "");
+  if (bracket.placed)
+    std::snprintf(text, sizeof text, "frame %zu/%zu", done, total);
+  else
+    std::snprintf(text, sizeof text, "frame %zu/%zu at %.6g\u00b0%s", done, total,
+                  bracket.angle_deg, bracket.closure ? " (closure)" : "");
   const int retries = bracket.attempts - 1;
   return text + (retries == 0   ? std::string()
                  : retries == 1 ? ", 1 retry"
                                 : ", " + std::to_string(retries) + " retries");
+}
+
+std::string CaptureDisplay::GuidanceText(const nodes::Guidance& guidance) {
+  return Format("%llu of %llu: ", static_cast<unsigned long long>(guidance.done),
+                static_cast<unsigned long long>(guidance.total)) +
+         guidance.text;
 }
 
 std::string CaptureDisplay::LightText(const nodes::LightNow& light) {
@@ -89,6 +98,12 @@ void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
     frame_text_ += ", " + TimeLeft(left);
   }
   Show(frame_text_);
+}
+
+void CaptureDisplay::OnGuidance(const nodes::Guidance& guidance) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  guidance_text_ = GuidanceText(guidance);
+  Show(guidance_text_);
 }
 
 void CaptureDisplay::OnEstimate(const nodes::Estimate& estimate) {
@@ -143,6 +158,7 @@ void CaptureDisplay::Draw() {
     ++drawn_;
   };
   if (!frame_text_.empty()) line(frame_text_);
+  if (!guidance_text_.empty()) line(guidance_text_);
   if (estimates_.empty()) return;
   const nodes::Estimate& now = estimates_.back();
   line("after " + std::to_string(now.keyframes) + ": " + Lights(now) + ", " + Residual(now));

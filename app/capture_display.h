@@ -23,6 +23,7 @@ class CaptureDisplay {
   void OnEstimate(const nodes::Estimate& estimate);
   void OnLine(const std::string& line);
   void OnPace(const nodes::Pace& pace);
+  void OnGuidance(const nodes::Guidance& guidance);
 
   // After the run: leaves what is on the terminal there. With real time, tells where it went.
   void End(bool real_time);
@@ -31,11 +32,13 @@ class CaptureDisplay {
   // All that came, in their order.
   const std::vector<nodes::Estimate>& estimates() const { return estimates_; }
 
-  // "frame 3/36 at 20\u00b0, 1 retry".
+  // "frame 3/36 at 20\u00b0, 1 retry"; by hand without the angle.
   static std::string BracketText(const nodes::Bracket& bracket, std::size_t done,
                                  std::size_t total);
   // "36 frames in 41.3 s, 52.3 a minute; waited for the stage 61 %, ...". seconds: since it began.
   static std::string PaceText(const nodes::Pace& pace, std::size_t frames, double seconds);
+  // "12 of 36: move on to the left".
+  static std::string GuidanceText(const nodes::Guidance& guidance);
   // "(+0.505, +0.202, +0.841) \u00b1 0.05\u00b0".
   static std::string LightText(const nodes::LightNow& light);
   // The first columns of a line, each character counted as one.
@@ -52,7 +55,7 @@ class CaptureDisplay {
   const Stopwatch stopwatch_;
   std::mutex mutex_;
   std::size_t done_;
-  std::string frame_text_;
+  std::string frame_text_, guidance_text_;
   std::vector<nodes::Estimate> estimates_;
   std::set<std::string> shown_;
   nodes::Pace pace_;  // of all keyframes

@@ -60,7 +60,7 @@ Status Tap(Prepared& run) {
   CaptureDisplay* display = run.display.get();
   for (const nodes::graph::NodeConfig& node : run.graph->parts().config.nodes) {
     Status status;
-    if (node.type == "keyframes")
+    if (node.type == "keyframes" || node.type == "handheld_keyframes")
       status = run.graph->Tap<nodes::Bracket>(
           node.name + ".bracket",
           [display](const nodes::graph::Message<nodes::Bracket>& m) { display->OnBracket(*m); });
@@ -68,6 +68,10 @@ Status Tap(Prepared& run) {
       status = run.graph->Tap<nodes::Pace>(
           node.name + ".pace",
           [display](const nodes::graph::Message<nodes::Pace>& m) { display->OnPace(*m); });
+    if (status && node.type == "handheld_keyframes")
+      status = run.graph->Tap<nodes::Guidance>(
+          node.name + ".guide",
+          [display](const nodes::graph::Message<nodes::Guidance>& m) { display->OnGuidance(*m); });
     if (node.type == "estimator")
       status = run.graph->Tap<nodes::Estimate>(
           node.name + ".estimate",
@@ -89,7 +93,8 @@ Result<DeviceNames> NameDevices(rig::RigSetup& rig, const Task& task) {
     return DeviceNames{journal->header.camera_identity, journal->header.table_identity};
   }
   if (const Status status = rig::OpenRig(rig); !status) return Forward(status);
-  return DeviceNames{rig::Describe(rig.identity->camera), rig::Describe(rig.identity->table)};
+  return DeviceNames{rig::Describe(rig.identity->camera),
+                     rig.table.turntable ? rig::Describe(rig.identity->table) : "none"};
 }
 
 Result<Recorder> OpenRecorder(const Prepared& run, const DeviceNames& names, const Task& task) {
@@ -115,6 +120,11 @@ std::string Announce(const Prepared& run, const RunFolder& folder,
                      const std::vector<rig::PlannedFrame>& missing, Start start) {
   const auto planned = rig::PlannedFrames(run.config.plan);
   std::string text = run.config.name + ": ";
+  if (start == Start::kNew && run.config.plan.by_hand)
+    return text +
+           Format("%zu frames, %.10g\u00b0 of view change apart, into ", planned.size(),
+                  run.config.plan.step_deg) +
+           folder.session().string() + "; carry the camera round the target";
   if (start == Start::kNew)
     return text +
            Format("%zu frames from %.10g\u00b0 to %.10g\u00b0 into ", planned.size(),
@@ -123,8 +133,9 @@ std::string Announce(const Prepared& run, const RunFolder& folder,
   for (const std::string& dropped : run.recorder->report().dropped)
     text += dropped + "; taken again\n";
   text += Format("%zu of %zu frames are safe", planned.size() - missing.size(), planned.size());
-  return missing.empty() ? text
-                         : text + Format(", going on at %.10g\u00b0", missing.front().angle_deg);
+  return missing.empty() || run.config.plan.by_hand
+             ? text
+             : text + Format(", going on at %.10g\u00b0", missing.front().angle_deg);
 }
 
 // A device that does not open: what to do, and what has become of the run.
@@ -176,6 +187,8 @@ Result<Prepared> Prepare(const Task& task) {
   if (!recorder) return Forward(recorder);
   run.recorder = work->recorder = std::move(*recorder);
   work->frames = run.recorder->Missing();
+  for (const auto& [index, entry] : run.recorder->entries())
+    work->kept.push_back({entry.frame.X_WC, entry.frame.X_WT});
   std::cerr << Announce(run, task.folder, work->frames, task.start) << std::endl;
   const std::size_t total = rig::PlannedFrames(run.config.plan).size();
   run.display = std::make_unique<CaptureDisplay>(total, total - work->frames.size());

@@ -21,18 +21,28 @@ std::string Angles(const rig::CapturePlan& plan) {
   return text;
 }
 
+std::string MotionText(const rig::CapturePlan& plan, const rig::PlanEstimate& estimate) {
+  if (plan.by_hand)
+    return Format("  views     %.6g\u00b0 apart at least, wherever the camera is carried\n",
+                  plan.step_deg);
+  std::string limits = "none given";
+  if (plan.limits)
+    limits = Format("%.6g to %.6g\u00b0", plan.limits->min_deg, plan.limits->max_deg);
+  return "  angles    " + Angles(plan) + "\n" +
+         Format("  travel    %.6g\u00b0, from %.6g to %.6g\u00b0; limits: ", estimate.travel_deg,
+                estimate.range.min_deg, estimate.range.max_deg) +
+         limits + "\n";
+}
+
 std::string PlanText(const RunConfig& config, const rig::RigSetup& rig) {
   const rig::CapturePlan& plan = config.plan;
   const rig::PlanEstimate estimate =
       rig::EstimatePlan(plan, rig.table.kinematics, rig.camera.format, rig.camera.readout_s);
-  std::string limits = "none given";
-  if (plan.limits)
-    limits = Format("%.6g to %.6g\u00b0", plan.limits->min_deg, plan.limits->max_deg);
-  return config.name + "\n" + "  angles    " + Angles(plan) + "\n" +
+  const std::string duration =
+      plan.by_hand ? "" : Format("  duration  %.3g s without repetitions\n", estimate.seconds);
+  return config.name + "\n" +
          Format("  frames    %zu, %zu exposures\n", estimate.frames, estimate.exposures) +
-         Format("  travel    %.6g\u00b0, from %.6g to %.6g\u00b0; limits: ", estimate.travel_deg,
-                estimate.range.min_deg, estimate.range.max_deg) +
-         limits + "\n" + Format("  duration  %.3g s without repetitions\n", estimate.seconds) +
+         MotionText(plan, estimate) + duration +
          Format("  disk      at most %.3g MB, %.3g MB a frame\n",
                 static_cast<double>(estimate.bytes) * 1e-6,
                 static_cast<double>(estimate.bytes_per_frame) * 1e-6);

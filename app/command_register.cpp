@@ -17,13 +17,12 @@
 #include "base/angles.h"
 #include "base/file.h"
 #include "base/format.h"
-#include "calib/calibrate/axis/board_pose.h"
 #include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/board/detect_boards.h"
+#include "calib/calibrate/handheld/board_plane.h"
 #include "calib/calibrate/handheld/corners_file.h"
 #include "calib/calibrate/handheld/registration.h"
 #include "calib/rig_geometry.h"
-#include "rig/session/image_file.h"
 
 namespace turnlight::app {
 namespace {
@@ -32,9 +31,9 @@ namespace fs = std::filesystem;
 namespace handheld = calib::calibrate::handheld;
 namespace board = calib::calibrate::board;
 
-// As known beforehand: of a corner that was found, and of one that a person picked.
-constexpr double kFoundSigmaPx = 0.1, kPickedSigmaPx = 0.7;
-constexpr double kWorstFoundRmsPx = 1.0, kWorstPickedRmsPx = 4.0;
+// Of a corner that a person picked, as known beforehand.
+constexpr double kPickedSigmaPx = 0.7;
+constexpr double kWorstPickedRmsPx = 4.0;
 
 struct RegisterArguments {
   std::vector<std::string> pictures;
@@ -43,7 +42,7 @@ struct RegisterArguments {
   double step_deg = 10.0, turn_deg = 0.0;
   std::vector<double> plane, at{0.0, 0.0, 0.0};
   double sphere = 0.0;
-  std::string mesh, encoding = "linear";
+  std::string mesh, encoding;  // encoding: empty: that of the pictures' format
   double black = 0.0;
   std::optional<double> white;
 };
@@ -69,19 +68,6 @@ Result<cv::Mat> ReadGrey(const fs::path& file, const calib::CameraModel& camera)
   return std::move(picture->grey);
 }
 
-handheld::PlaneView ViewOf(const std::string& name, const board::Detection& detection,
-                           const std::vector<Eigen::Vector3d>& places) {
-  handheld::PlaneView view;
-  view.name = name;
-  if (detection.boards.empty()) {
-    view.why_none = detection.remarks.empty() ? "no board in it" : detection.remarks.front();
-    return view;
-  }
-  for (const board::SeenPoint& point : detection.boards.front().view.points)
-    view.points.push_back({places[point.point].head<2>(), point.pixel, point.spread});
-  return view;
-}
-
 Result<Seen> SeeBoards(const RegisterArguments& arguments, const calib::CameraModel& camera) {
   const auto plate = board::ParseBoard(arguments.board);
   if (!plate) return Forward(plate);
@@ -93,20 +79,13 @@ Result<Seen> SeeBoards(const RegisterArguments& arguments, const calib::CameraMo
   const auto found = board::DetectInPictures(
       seen.files.size(), [&](std::size_t i) { return ReadGrey(seen.files[i], camera); }, *plate,
       [&progress](std::size_t) { progress.Step(); });
-  const std::vector<Eigen::Vector3d> places = BoardPoints(*plate);
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& place : places) middle += place / static_cast<double>(places.size());
+  const handheld::BoardPlane plane = handheld::PlaneOf(*plate);
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i]) return Forward(found[i]);
-    seen.views.push_back(ViewOf(seen.files[i].string(), *found[i], places));
+    seen.views.push_back(handheld::ViewOf(seen.files[i].string(), *found[i], plane));
   }
-  // The board's z points away from who looks at it.
-  seen.X_WB.rotation = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
-  seen.X_WB.translation = -(seen.X_WB.rotation * middle);
-  const std::vector<calib::Pose> turns = calib::calibrate::axis::SameLookingTurns(*plate);
-  seen.options.same_looking.assign(turns.begin() + 1, turns.end());
-  seen.options.pixel_sigma = kFoundSigmaPx;
-  seen.options.worst_rms_px = kWorstFoundRmsPx;
+  seen.X_WB = plane.X_WB;
+  seen.options = plane.options;
   return seen;
 }
 
@@ -121,7 +100,13 @@ Result<Seen> SeeCorners(const handheld::CornersFile& corners, const fs::path& fo
   return seen;
 }
 
-Result<calib::Radiometry> RadiometryOf(const RegisterArguments& arguments, int depth) {
+// Of JPEGs what their values nearly always are; of all else what measuring cameras give.
+std::string EncodingOf(const RegisterArguments& arguments, bool jpeg) {
+  return !arguments.encoding.empty() ? arguments.encoding : jpeg ? "srgb" : "linear";
+}
+
+Result<calib::Radiometry> RadiometryOf(const RegisterArguments& arguments, int depth, bool jpeg) {
+  const std::string encoding = EncodingOf(arguments, jpeg);
   calib::Radiometry radiometry;
   radiometry.black = arguments.black;
   radiometry.white = arguments.white.value_or(depth == CV_8U    ? 255.0
@@ -130,14 +115,13 @@ Result<calib::Radiometry> RadiometryOf(const RegisterArguments& arguments, int d
   if (!(radiometry.white > radiometry.black))
     return InputError(
         Format("--white: %g, allowed is above --black, %g", radiometry.white, radiometry.black));
-  if (arguments.encoding == "srgb") radiometry.encoding = calib::Encoding::kSrgb;
-  if (arguments.encoding == "linear" || arguments.encoding == "srgb") return radiometry;
+  if (encoding == "srgb") radiometry.encoding = calib::Encoding::kSrgb;
+  if (encoding == "linear" || encoding == "srgb") return radiometry;
   char* end = nullptr;
   radiometry.encoding = calib::Encoding::kGamma;
-  radiometry.gamma = std::strtod(arguments.encoding.c_str(), &end);
-  if (end == arguments.encoding.c_str() || *end || !(radiometry.gamma >= 0.1) ||
-      radiometry.gamma > 10.0)
-    return InputError("--encoding: " + arguments.encoding +
+  radiometry.gamma = std::strtod(encoding.c_str(), &end);
+  if (end == encoding.c_str() || *end || !(radiometry.gamma >= 0.1) || radiometry.gamma > 10.0)
+    return InputError("--encoding: " + encoding +
                       ", allowed is linear, srgb or a gamma from 0.1 to 10");
   return radiometry;
 }
@@ -185,11 +169,23 @@ Result<HandheldSession> SessionOf(const RegisterArguments& arguments, const Seen
     return InputError(
         "no picture could be registered, so that there is no session; the reasons "
         "are above");
-  const auto first = rig::ReadImage(session.keyframes.front().picture);
+  const auto first = ReadPicture(session.keyframes.front().picture);
   if (!first) return Forward(first);
-  auto radiometry = RadiometryOf(arguments, first->depth());
+  const auto jpegs =
+      std::count_if(session.keyframes.begin(), session.keyframes.end(),
+                    [](const HandheldKeyframe& keyframe) { return IsJpeg(keyframe.picture); });
+  if (jpegs > 0 && jpegs < std::ssize(session.keyframes))
+    return InputError(
+        Format("%td of %zu keyframes are JPEG, allowed are all or none: their values "
+               "mean different things",
+               jpegs, session.keyframes.size()));
+  auto radiometry = RadiometryOf(arguments, first->depth(), jpegs > 0);
   if (!radiometry) return Forward(radiometry);
   session.radiometry = *radiometry;
+  if (jpegs > 0)
+    std::cout << "note: JPEG has 8 bits, is compressed with loss and gamma encoded, which limits "
+                 "what can be estimated; the session has the same values as PNG, encoding "
+              << EncodingOf(arguments, true) << std::endl;
   return session;
 }
 
@@ -272,10 +268,10 @@ void AddTargetOptions(CLI::App& command, RegisterArguments& arguments) {
 }
 
 void AddPictureOptions(CLI::App& command, RegisterArguments& arguments) {
-  command
-      .add_option("--encoding", arguments.encoding,
-                  "How the pictures' values follow the light: linear, srgb or a gamma")
-      ->capture_default_str();
+  command.add_option(
+      "--encoding", arguments.encoding,
+      "How the pictures' values follow the light: linear, srgb or a gamma (default: of "
+      "JPEG srgb, else linear)");
   command.add_option("--black", arguments.black, "Value of no light")->capture_default_str();
   command.add_option("--white", arguments.white,
                      "Value of full light (default: 255, 65535, of floats 1)");
@@ -294,7 +290,7 @@ void AddRegister(CLI::App& program, Action& action) {
       "0,0,25 --out session");
   auto arguments = std::make_shared<RegisterArguments>();
   command->add_option("PICTURES", arguments->pictures,
-                      "Files or folders: PNG or TIFF, in the order in which they were taken");
+                      "Files or folders: PNG, TIFF or JPEG, in the order in which they were taken");
   command
       ->add_option("--camera", arguments->camera,
                    "The lens: the folder of calibrate intrinsics, or a .cameramodel")

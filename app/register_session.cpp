@@ -1,5 +1,6 @@
 #include "app/register_session.h"
 
+#include "app/calibrate/picture_files.h"
 #include "app/output_folder.h"
 #include "base/file.h"
 #include "base/format.h"
@@ -16,13 +17,18 @@ namespace fs = std::filesystem;
 Result<rig::FrameRecord> CopyPicture(const HandheldSession& session, std::size_t index,
                                      const fs::path& out) {
   const HandheldKeyframe& keyframe = session.keyframes[index];
-  const auto bytes = ReadFile(keyframe.picture);
-  if (!bytes) return Forward(bytes);
-  const cv::Size size(session.camera.width(), session.camera.height());
-  if (const auto image = rig::DecodeImage(*bytes, keyframe.picture, size); !image)
-    return Forward(image);
+  const bool jpeg = IsJpeg(keyframe.picture);
+  const auto image = ReadPicture(keyframe.picture);
+  if (!image) return Forward(image);
+  if (image->size() != cv::Size(session.camera.width(), session.camera.height()))
+    return InputError(Format("%s: %d x %d pixels, allowed is the lens's size, %d x %d",
+                             keyframe.picture.c_str(), image->cols, image->rows,
+                             session.camera.width(), session.camera.height()));
   rig::FrameRecord frame;
-  frame.image = "frames/" + Format("%03zu", index) + keyframe.picture.extension().string();
+  frame.image =
+      "frames/" + Format("%03zu", index) + (jpeg ? ".png" : keyframe.picture.extension().string());
+  const auto bytes = jpeg ? rig::EncodeImage(frame.image, *image) : ReadFile(keyframe.picture);
+  if (!bytes) return Forward(bytes);
   frame.X_WC = keyframe.X_WC;
   frame.X_WT = session.X_WT;
   frame.sha256 = Sha256Hex(*bytes);

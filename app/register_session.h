@@ -29,9 +29,9 @@ struct HandheldSession {
   std::vector<HandheldKeyframe> keyframes;
 };
 
-// Copies pictures and mesh byte for byte into a new or empty folder and writes the session there,
-// in mm, session.json last. Fails (kInput): a folder with something in it, a picture that a session
-// cannot have.
+// Copies mesh and pictures byte for byte into a new or empty folder, a JPEG as the PNG of its
+// values, and writes the session there, in mm, session.json last. Fails (kInput): a folder with
+// something in it, a picture that a session cannot have.
 Status WriteHandheldSession(const HandheldSession& session, const std::filesystem::path& out);
 
 }  // namespace turnlight::app

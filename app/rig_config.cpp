@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "app/calibrate/camera_option.h"
 #include "app/driver_choice.h"
 #include "base/file.h"
 #include "base/format.h"
@@ -36,17 +37,18 @@ Result<rig::RigTarget> ReadTarget(StrictObject object, const fs::path& folder) {
   return ReadMeshTarget(object, folder / std::get<rig::MeshFile>(target).path);
 }
 
-// A driver of each device, and its keys.
+// A driver of each device, and its keys. Without a table both are empty.
 struct Chosen {
   const Driver<rig::TableDevice>* table;
   const Driver<rig::CameraDevice>* camera;
-  StrictObject table_keys, camera_keys;
+  std::optional<StrictObject> table_keys;
+  StrictObject camera_keys;
 };
 
 Result<Chosen> Choose(const RunConfig& config, const Drivers& drivers) {
   Chosen chosen{nullptr, nullptr, config.table, config.camera};
-  chosen.table = FindDriver(drivers.tables, chosen.table_keys);
-  if (!chosen.table) return Forward(chosen.table_keys.Finish());
+  if (chosen.table_keys) chosen.table = FindDriver(drivers.tables, *chosen.table_keys);
+  if (chosen.table_keys && !chosen.table) return Forward(chosen.table_keys->Finish());
   chosen.camera = FindDriver(drivers.cameras, chosen.camera_keys);
   if (!chosen.camera) return Forward(chosen.camera_keys.Finish());
   return chosen;
@@ -54,9 +56,10 @@ Result<Chosen> Choose(const RunConfig& config, const Drivers& drivers) {
 
 // All devices are simulated and in a world, or none is.
 Status CheckWorld(const RunConfig& config, const Chosen& chosen) {
-  const bool table = chosen.table->simulated(), camera = chosen.camera->simulated();
-  const std::string real = (table ? "rig/camera/driver: " + chosen.camera->name
-                                  : "rig/table/driver: " + chosen.table->name);
+  const bool camera = chosen.camera->simulated();
+  const bool table = chosen.table ? chosen.table->simulated() : camera;
+  const std::string real = (table || !chosen.table ? "rig/camera/driver: " + chosen.camera->name
+                                                   : "rig/table/driver: " + chosen.table->name);
   if (config.simulation && !(table && camera))
     return InputError(config.simulation_where + ": it stands beside " + real +
                       ", which is no simulated device; allowed is a simulation only where both "
@@ -67,14 +70,30 @@ Status CheckWorld(const RunConfig& config, const Chosen& chosen) {
                       ", a simulated device, beside " + real +
                       "; allowed are two simulated devices or two real ones");
   if (table && !config.simulation)
-    return InputError(config.rig.Where("table/driver") + ": " + chosen.table->name +
-                      " needs the section simulation beside rig, as in\n" + kRigExample);
+    return InputError(config.rig.Where(chosen.table ? "table/driver" : "camera/driver") + ": " +
+                      chosen.camera->name + " needs the section simulation beside rig, as in\n" +
+                      kRigExample);
+  if (config.simulation && config.plan.by_hand != config.simulation->camera.walk.has_value())
+    return InputError(config.simulation_where + "/walk: " +
+                      (config.plan.by_hand ? "this key is missing, a camera that is carried by "
+                                             "hand needs it"
+                                           : "allowed is this section with the node "
+                                             "handheld_keyframes, and without a table"));
   return {};
 }
 
 // What is known of a real rig has to be said.
 Status RequireKnown(const RunConfig& config) {
-  if (!config.calibration)
+  for (const auto& [key, there] :
+       {std::pair("lens", config.lens.has_value()), {"radiometry", config.radiometry.has_value()}})
+    if (config.plan.by_hand && !there)
+      return InputError(config.rig.Where(key) +
+                        ": this key is missing, a camera that is carried by hand and not simulated "
+                        "needs it; allowed is " +
+                        (std::string(key) == "lens"
+                             ? "the folder of turnlight calibrate intrinsics, or a .cameramodel"
+                             : "an object as in session.json, {encoding, black, white}"));
+  if (!config.calibration && !config.plan.by_hand)
     return InputError(config.rig.Where("calibration") +
                       ": this key is missing, a rig that is not simulated needs it; allowed is " +
                       kCalibrationIs);
@@ -94,6 +113,13 @@ Status RequireTurntable(const RunConfig& config) {
                     "is kind: table, or no calibration");
 }
 
+// A camera that is carried by hand: where it is, its pictures say.
+rig::RigKnowledge WithoutTable(const RunConfig& config, rig::RigKnowledge known) {
+  if (config.lens) known.lens = *config.lens;
+  if (config.radiometry) known.radiometry = *config.radiometry;
+  return known;
+}
+
 // What moves by itself does not wait for a clock that jumps.
 Status RequireWallClock(const RunConfig& config, const rig::TableDevice& table,
                         const rig::CameraDevice& camera) {
@@ -101,13 +127,14 @@ Status RequireWallClock(const RunConfig& config, const rig::TableDevice& table,
   if (!table.real_time && !camera.real_time) return {};
   return InputError(StrictObject(*config.graph.document).Object("graph").Where("executor") +
                     ": virtual, allowed with the driver " +
-                    StrictObject(table.real_time ? config.table : config.camera).String("driver") +
+                    StrictObject(table.real_time ? *config.table : config.camera).String("driver") +
                     ", whose device lives in real time, is wall");
 }
 
 Result<rig::RigSetup> MakeRealRig(const RunConfig& config, const Chosen& chosen) {
   if (const Status status = RequireKnown(config); !status) return Forward(status);
-  auto table = Make(*chosen.table, chosen.table_keys, nullptr);
+  auto table = chosen.table ? Make(*chosen.table, *chosen.table_keys, nullptr)
+                            : Result<rig::TableDevice>(rig::TableDevice());
   if (!table) return Forward(table);
   auto camera = Make(*chosen.camera, chosen.camera_keys, nullptr);
   if (!camera) return Forward(camera);
@@ -116,7 +143,9 @@ Result<rig::RigSetup> MakeRealRig(const RunConfig& config, const Chosen& chosen)
   return rig::RigSetup{.table = std::move(*table),
                        .camera = std::move(*camera),
                        .length_unit = config.length_unit,
-                       .known = rig::KnowledgeOf(*config.calibration),
+                       .known = config.calibration
+                                    ? rig::KnowledgeOf(*config.calibration)
+                                    : rig::RigKnowledge{*config.lens, {}, *config.radiometry, {}},
                        .target = *config.target,
                        .calibration = config.calibration,
                        .truth = {},
@@ -127,15 +156,17 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
   if (const Status status = RequireTurntable(config); !status) return Forward(status);
   auto world = rig::sim::BuildWorld(*config.simulation);
   if (!world) return Forward(world);
-  auto table = Make(*chosen.table, chosen.table_keys, &*world);
+  auto table = chosen.table ? Make(*chosen.table, *chosen.table_keys, &*world)
+                            : Result<rig::TableDevice>(rig::TableDevice());
   if (!table) return Forward(table);
   auto camera = Make(*chosen.camera, chosen.camera_keys, &*world);
   if (!camera) return Forward(camera);
   return rig::RigSetup{.table = std::move(*table),
                        .camera = std::move(*camera),
                        .length_unit = config.length_unit,
-                       .known = config.calibration ? rig::KnowledgeOf(*config.calibration)
-                                                   : rig::sim::KnowledgeOf(*world),
+                       .known = config.calibration
+                                    ? rig::KnowledgeOf(*config.calibration)
+                                    : WithoutTable(config, rig::sim::KnowledgeOf(*world)),
                        .target = config.target ? *config.target : rig::sim::TargetOf(*world),
                        .calibration = config.calibration,
                        .truth = estimator::results::TruthToJson(
@@ -175,15 +206,42 @@ Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig, const fs::path
   return read;
 }
 
+namespace {
+
+// The keys of a rig without a table that stand for a calibration; the bytes of the lens.
+Result<std::string> ReadByHand(StrictObject& rig, const fs::path& folder, RunConfig& config) {
+  const auto lens = rig.OptionalString("lens");
+  auto radiometry = rig.OptionalObject("radiometry");
+  if (radiometry) {
+    config.radiometry.emplace();
+    if (const Status status = rig::ReadRadiometry(*radiometry, *config.radiometry); !status)
+      return Forward(status);
+    if (const Status status = radiometry->Finish(); !status) return Forward(status);
+  }
+  if (!lens) return std::string();
+  auto read = ReadCalibratedLens(folder / *lens);
+  if (!read) return InputError(rig.Where("lens") + ": " + read.error().text);
+  config.lens = std::move(read->camera);
+  return config.lens->ToString();
+}
+
+}  // namespace
+
 Result<RigFiles> ReadRigSection(const fs::path& folder, RunConfig& config) {
   StrictObject& rig = config.rig;
-  config.table = rig.Object("table");
+  if (!config.plan.by_hand) config.table = rig.Object("table");
   config.camera = rig.Object("camera");
   const auto target = rig.OptionalObject("target");
   const auto unit = rig.OptionalString("length_unit");
   if (unit && !rig::IsWord(*unit))
     rig.Refuse("length_unit", "a word without spaces, such as \"mm\"");
-  auto calibration = ReadRigCalibrationKey(rig, folder);
+  auto calibration = config.plan.by_hand ? Result<CalibrationOfRig>(CalibrationOfRig())
+                                         : ReadRigCalibrationKey(rig, folder);
+  if (config.plan.by_hand && calibration) {
+    auto lens = ReadByHand(rig, folder, config);
+    if (!lens) return Forward(lens);
+    calibration->text = std::move(*lens);
+  }
   if (const Status status = rig.Finish(); !status) return Forward(status);
   if (!calibration) return Forward(calibration);
   config.calibration = std::move(calibration->calibration);

@@ -38,9 +38,10 @@ Result<rig::RigTarget> ReadRigTarget(StrictObject target, const std::filesystem:
 
 // The bytes of the files that the section names; empty if it names none.
 struct RigFiles {
-  std::string calibration, mesh;
+  std::string calibration, mesh;  // the calibration's, or the lens's
 };
 // Reads all of config.rig but the drivers' keys into config.
+// config.plan says whether there is a table.
 Result<RigFiles> ReadRigSection(const std::filesystem::path& folder, RunConfig& config);
 
 // Makes the devices, closed, and puts together what is known of them. Fails (kInput): a driver that

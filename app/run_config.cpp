@@ -38,15 +38,25 @@ Status RefuseOldShape(const std::string& file, StrictObject rig) {
       "complete, is estimated by turnlight estimate.");
 }
 
-// Exactly one node takes the frames, and one keeps them.
+constexpr char kByHand[] = "handheld_keyframes";
+
+std::ptrdiff_t CountNodes(const nodes::graph::GraphConfig& graph, const std::string& type) {
+  return std::count_if(graph.nodes.begin(), graph.nodes.end(),
+                       [&](const auto& node) { return node.type == type; });
+}
+
+// Exactly one node takes the frames, and one keeps them; without a table none moves it.
 Status RequireNodes(const nodes::graph::GraphConfig& graph) {
-  for (const std::string type : {"keyframes", "recorder"}) {
-    const auto count = std::count_if(graph.nodes.begin(), graph.nodes.end(),
-                                     [&](const auto& node) { return node.type == type; });
-    if (count != 1)
+  const bool by_hand = CountNodes(graph, kByHand) > 0;
+  for (const auto& [type, allowed] : {std::pair(by_hand ? kByHand : "keyframes", 1),
+                                      {by_hand ? "keyframes" : kByHand, 0},
+                                      {"turntable", by_hand ? 0 : 1},
+                                      {"recorder", 1}}) {
+    const std::ptrdiff_t count = CountNodes(graph, type);
+    if (count != allowed)
       return InputError(StrictObject(*graph.document).Object("graph").Where("nodes") + ": " +
-                        std::to_string(count) + " nodes of type " + type +
-                        ", allowed is exactly 1");
+                        std::to_string(count) + " nodes of type " + type + ", allowed is exactly " +
+                        std::to_string(allowed) + (by_hand ? std::string(" with ") + kByHand : ""));
   }
   return {};
 }
@@ -64,7 +74,7 @@ std::string HashOf(const Document& document, const std::string& rig_files,
 
 Status ReadPlan(const std::optional<StrictObject>& capture, rig::CapturePlan& into) {
   if (!capture) return {};
-  auto plan = rig::ParseCapturePlan(*capture);
+  auto plan = into.by_hand ? rig::ParsePlanByHand(*capture) : rig::ParseCapturePlan(*capture);
   if (!plan) return Forward(plan);
   into = std::move(*plan);
   return {};
@@ -109,6 +119,7 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   config.file = file;
   config.text = text;
   config.name = name.value_or(origin.stem().string());
+  config.plan.by_hand = CountNodes(config.graph, kByHand) > 0;
   Status status = RequireNodes(config.graph);
   if (status) status = ReadPlan(capture, config.plan);
   if (!status) return Forward(status);

@@ -10,6 +10,11 @@
 //     target: {...}                  # as in session.json; of a simulated rig optional: else the
 //                                    # simulation's
 //     length_unit: mm                # of the session; optional: the calibration's, or mm
+// A graph with the node handheld_keyframes is of a camera that is carried by hand: rig has no table
+// then, and instead of a calibration
+//     lens: FILE                     # as app/calibrate/camera_option.h
+//     radiometry: {...}              # of raw DN, as in session.json
+// which of a simulated rig are optional, too.
 //   simulation: {...}                # rig/sim/simulation.h: the world of mock devices, and theirs
 //                                    # only
 //   graph: {...}                     # nodes/graph/config.h
@@ -34,16 +39,19 @@ namespace turnlight::app {
 struct RunConfig {
   // Its sections point into graph.document.
   RunConfig(StrictObject rig_section, nodes::graph::GraphConfig graph_config)
-      : rig(rig_section), table(rig_section), camera(rig_section), graph(std::move(graph_config)) {}
+      : rig(rig_section), camera(rig_section), graph(std::move(graph_config)) {}
 
   std::string file;
   std::string text;              // as read
-  std::string calibration_text;  // of the file, if the calibration is one
+  std::string calibration_text;  // of the file, if the calibration is one; or of the lens
   std::string name;
   rig::CapturePlan plan;
-  StrictObject rig;            // the section, for messages
-  StrictObject table, camera;  // with the key driver
+  StrictObject rig;                   // the section, for messages
+  std::optional<StrictObject> table;  // with the key driver; none: the camera is carried by hand
+  StrictObject camera;                // with the key driver
   std::optional<rig::RigCalibration> calibration;
+  std::optional<calib::CameraModel> lens;  // these two of a camera that is carried by hand
+  std::optional<calib::Radiometry> radiometry;
   std::optional<rig::RigTarget> target;
   std::string length_unit = "mm";
   std::optional<rig::sim::SimulationConfig> simulation;

@@ -26,7 +26,9 @@ Status CalibrationNode::OnBracket(const graph::Message<Bracket>& bracket) {
   keyframe.image = merged->image;
   keyframe.validity = merged->validity;
   keyframe.exposure = merged->exposure;
-  const calib::RigPoses placed = calib::PosesAt(calibration_.geometry, bracket->angle_measured_deg);
+  const calib::RigPoses placed =
+      bracket->placed ? *bracket->placed
+                      : calib::PosesAt(calibration_.geometry, bracket->angle_measured_deg);
   keyframe.X_WC = placed.X_WC;
   keyframe.X_WT = placed.X_WT;
   keyframe_.Publish(std::move(keyframe), bracket.header.valid_at);

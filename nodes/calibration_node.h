@@ -1,5 +1,5 @@
 // What pixels and angles mean: merges the exposures of a bracket, turns DN into linear radiance,
-// and says where camera and target were.
+// and says where camera and target were, unless the bracket does.
 //   in       bracket       Bracket
 //   out      camera_model  CameraModel, latched
 //   out      keyframe      Keyframe; the closure frame as well

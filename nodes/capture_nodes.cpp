@@ -5,6 +5,7 @@
 #include "nodes/calibration_node.h"
 #include "nodes/camera_node.h"
 #include "nodes/estimator_node.h"
+#include "nodes/handheld_keyframes_node.h"
 #include "nodes/logger_node.h"
 #include "nodes/recorder_node.h"
 #include "nodes/turntable_node.h"
@@ -27,6 +28,10 @@ graph::NodeRegistry CaptureNodes(CaptureParts parts) {
   graph::NodeRegistry registry;
   registry.Add("keyframes", [shared] {
     return std::make_unique<KeyframesNode>(shared->job, shared->rig.known.radiometry, shared->work);
+  });
+  registry.Add("handheld_keyframes", [shared] {
+    return std::make_unique<HandheldKeyframesNode>(shared->job.plan, shared->job.gate, shared->rig,
+                                                   shared->work);
   });
   registry.Add("turntable",
                [shared] { return std::make_unique<TurntableNode>(shared->rig.table.turntable); });

@@ -17,8 +17,8 @@ struct CaptureParts {
   std::shared_ptr<const CaptureWork> work;
 };
 
-// The node types that a config may name: keyframes, turntable, camera, calibration, recorder,
-// estimator, logger.
+// The node types that a config may name: keyframes, handheld_keyframes, turntable, camera,
+// calibration, recorder, estimator, logger.
 graph::NodeRegistry CaptureNodes(CaptureParts parts);
 
 }  // namespace turnlight::nodes

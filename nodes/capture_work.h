@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/rig_geometry.h"
 #include "rig/capture/capture_plan.h"
 #include "rig/capture/session_recorder.h"
 
@@ -18,6 +19,8 @@ struct CaptureWork {
   std::shared_ptr<rig::SessionRecorder> recorder;  // null: nothing is stored
   // Of each fault, on the logger's thread; must not throw.
   std::function<void(const std::string& line)> log_line = [](const std::string&) {};
+  // Of the frames that are safe already, if the camera is carried by hand.
+  std::vector<calib::RigPoses> kept;
 };
 
 }  // namespace turnlight::nodes

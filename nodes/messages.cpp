@@ -215,6 +215,10 @@ void Wire<Bracket>::Encode(const Bracket& bracket, WireWriter& out) {
   out.Text(bracket.utc);
   out.I64(bracket.attempts);
   PutList(bracket.rejected, out, [&](const std::string& text) { out.Text(text); });
+  out.Bool(bracket.placed.has_value());
+  if (!bracket.placed) return;
+  PutPose(bracket.placed->X_WC, out);
+  PutPose(bracket.placed->X_WT, out);
 }
 Bracket Wire<Bracket>::Decode(WireReader& in) {
   Bracket bracket;
@@ -226,7 +230,23 @@ Bracket Wire<Bracket>::Decode(WireReader& in) {
   bracket.utc = in.Text();
   bracket.attempts = static_cast<std::int32_t>(in.I64());
   bracket.rejected = GetList<std::string>(in, [&] { return in.Text(); });
+  if (!in.Bool()) return bracket;
+  const calib::Pose X_WC = GetPose(in);
+  bracket.placed = calib::RigPoses{X_WC, GetPose(in)};
   return bracket;
+}
+
+void Wire<nodes::Guidance>::Encode(const nodes::Guidance& guidance, WireWriter& out) {
+  out.Text(guidance.text);
+  out.U64(guidance.done);
+  out.U64(guidance.total);
+}
+nodes::Guidance Wire<nodes::Guidance>::Decode(WireReader& in) {
+  nodes::Guidance guidance;
+  guidance.text = in.Text();
+  guidance.done = in.U64();
+  guidance.total = in.U64();
+  return guidance;
 }
 
 void Wire<nodes::CameraModel>::Encode(const nodes::CameraModel& model, WireWriter& out) {

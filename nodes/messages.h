@@ -15,6 +15,7 @@
 
 #include "calib/pose.h"
 #include "calib/radiometry.h"
+#include "calib/rig_geometry.h"
 #include "nodes/graph/action.h"
 #include "nodes/graph/wire.h"
 #include "rig/device.h"
@@ -71,7 +72,8 @@ struct Expose {
 };
 
 // All exposures of one planned angle, with the proof that they belong to it: the table stood there,
-// idle and read twice, before the first and after the last of them.
+// idle and read twice, before the first and after the last of them. Or one picture of a camera that
+// is carried by hand, with its own poses; angles mean nothing then.
 struct Bracket {
   std::uint64_t index = 0;  // of rig::PlannedFrames
   bool closure = false;
@@ -80,7 +82,15 @@ struct Bracket {
   std::vector<Frame> exposures;     // in the plan's order
   std::string utc;                  // a label
   std::int32_t attempts = 1;
-  std::vector<std::string> rejected;  // why, of each attempt that failed
+  std::vector<std::string> rejected;      // why, of each attempt that failed
+  std::optional<calib::RigPoses> placed;  // if the rig's geometry does not say where
+};
+
+// What a person who carries the camera should know now.
+struct Guidance {
+  std::string text;        // "no board in view"
+  std::uint64_t done = 0;  // keyframes, those before a resume included
+  std::uint64_t total = 0;
 };
 
 // The lens, once, for whoever comes late as well.
@@ -152,9 +162,10 @@ TURNLIGHT_WIRE(nodes::Frame, "Frame", 2);
 TURNLIGHT_WIRE(nodes::ExposeGoal, "Expose", 1);
 TURNLIGHT_WIRE(nodes::ExposureBegun, "ExposureBegun", 1);
 TURNLIGHT_WIRE(nodes::ExposeResult, "ExposeResult", 2);
-TURNLIGHT_WIRE(nodes::Bracket, "Bracket", 2);
+TURNLIGHT_WIRE(nodes::Bracket, "Bracket", 3);
+TURNLIGHT_WIRE(nodes::Guidance, "Guidance", 1);
 TURNLIGHT_WIRE(nodes::CameraModel, "CameraModel", 1);
-TURNLIGHT_WIRE(nodes::Keyframe, "Keyframe", 2);
+TURNLIGHT_WIRE(nodes::Keyframe, "Keyframe", 3);
 TURNLIGHT_WIRE(nodes::Stored, "Stored", 1);
 TURNLIGHT_WIRE(nodes::Pace, "Pace", 1);
 TURNLIGHT_WIRE(nodes::Estimate, "Estimate", 1);

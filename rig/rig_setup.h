@@ -32,11 +32,11 @@ struct RigTarget {
 };
 
 struct RigIdentity {
-  DeviceIdentity camera, table;
+  DeviceIdentity camera, table;  // the table's empty if there is none
 };
 
 struct RigSetup {
-  TableDevice table;
+  TableDevice table;  // its turntable null: the camera is carried by hand, known.geometry unused
   CameraDevice camera;
   std::string length_unit = "mm";
   RigKnowledge known;

@@ -22,10 +22,14 @@ std::string LowerExtension(const fs::path& path) {
   return extension;
 }
 
+}  // namespace
+
 bool IsJpeg(const fs::path& path) {
   const std::string extension = LowerExtension(path);
   return extension == ".jpg" || extension == ".jpeg";
 }
+
+namespace {
 
 bool IsPicture(const fs::path& path) {
   const std::string extension = LowerExtension(path);
@@ -107,6 +111,15 @@ Result<std::vector<fs::path>> ListPictures(const std::vector<std::string>& argum
   return pictures;
 }
 
+Result<cv::Mat> ReadPicture(const fs::path& path) {
+  if (!IsJpeg(path)) return rig::ReadImage(path);
+  const auto bytes = ReadFile(path);
+  if (!bytes) return Forward(bytes);
+  auto jpeg = rig::DecodeJpeg(*bytes, path.string(), rig::JpegChannels::kAsStored);
+  if (!jpeg) return Forward(jpeg);
+  return std::move(jpeg->image);
+}
+
 Result<GreyPicture> ReadGreyPicture(const fs::path& path) {
   GreyPicture picture;
   if (IsJpeg(path)) {
@@ -114,7 +127,7 @@ Result<GreyPicture> ReadGreyPicture(const fs::path& path) {
     if (!bytes) return Forward(bytes);
     auto jpeg = rig::DecodeJpeg(*bytes, path.string());
     if (!jpeg) return Forward(jpeg);
-    picture.grey = jpeg->grey;
+    picture.grey = jpeg->image;
     if (jpeg->orientation != 1)
       picture.remarks.push_back(
           Format("EXIF says that it be turned (orientation %d); kept as the sensor has it",

@@ -15,6 +15,12 @@ namespace turnlight::app {
 // folder without pictures, a file named twice, nothing named at all.
 Result<std::vector<std::filesystem::path>> ListPictures(const std::vector<std::string>& arguments);
 
+// By its name's ending.
+bool IsJpeg(const std::filesystem::path& path);
+
+// What rig::ReadImage reads, or a JPEG as it is stored; neither is turned. Fails (kInput).
+Result<cv::Mat> ReadPicture(const std::filesystem::path& path);
+
 struct GreyPicture {
   cv::Mat grey;                      // CV_8U or CV_16U, as on the sensor: never turned
   std::vector<std::string> remarks;  // in words, without the file's name

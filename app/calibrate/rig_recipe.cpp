@@ -7,6 +7,7 @@
 #include "app/rig_config.h"
 #include "app/run_config.h"
 #include "base/file.h"
+#include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/lens/lens_model_name.h"
 
 namespace turnlight::app {
@@ -102,7 +103,7 @@ Status ReadCalibrate(StrictObject object, RigRecipe& recipe) {
   const auto model = calib::calibrate::lens::FullLensModelName(lens, object.Where("lens_model"));
   if (!model) return Forward(model);
   recipe.lens_model = *model;
-  auto read = rig::sim::ReadBoard(board);
+  auto read = calib::calibrate::board::ReadBoard(board);
   if (!read) return Forward(read);
   recipe.board = std::move(*read);
   if (response) {

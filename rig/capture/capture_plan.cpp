@@ -85,6 +85,17 @@ std::optional<PlanProblem> CheckExposures(const std::vector<double>& exposures_u
   return std::nullopt;
 }
 
+// A picture of a bracket would have a pose of its own.
+std::optional<PlanProblem> CheckByHand(const CapturePlan& plan) {
+  if (plan.exposures_us.size() != 1)
+    return PlanProblem{"exposures_us", std::to_string(plan.exposures_us.size()) +
+                                           " exposures, allowed is one of a camera that is carried "
+                                           "by hand"};
+  if (plan.closure)
+    return PlanProblem{"closure", "true, allowed is false of a camera that is carried by hand"};
+  return CheckBounds({"step_deg", plan.step_deg, 0.0, 180.0, true});
+}
+
 // What only the whole plan shows.
 std::optional<PlanProblem> CheckTogether(const CapturePlan& plan) {
   if (plan.tolerance_deg * 2.0 >= plan.step_deg)
@@ -139,7 +150,34 @@ std::uint64_t PictureBytes(const PictureFormat& format, int depth, int channels)
 std::optional<PlanProblem> Validate(const CapturePlan& plan) {
   if (auto problem = CheckNumbers(plan)) return problem;
   if (auto problem = CheckExposures(plan.exposures_us)) return problem;
-  return CheckTogether(plan);
+  return plan.by_hand ? CheckByHand(plan) : CheckTogether(plan);
+}
+
+namespace {
+
+// What plans of both kinds have; then validates.
+Result<CapturePlan> ReadRest(StrictObject& object, CapturePlan plan) {
+  const auto number = [&object](const char* key, double& value) {
+    value = object.OptionalNumber(key).value_or(value);
+  };
+  number("step_deg", plan.step_deg);
+  number("gain_db", plan.gain_db);
+  number("frame_timeout_s", plan.frame_timeout_s);
+  plan.count = object.OptionalInteger("count", 1, 100000).value_or(plan.count);
+  plan.retries = object.OptionalInteger("retries", 0, 100).value_or(plan.retries);
+  if (object.Has("exposures_us")) plan.exposures_us = ReadExposures(object);
+  if (object.ok())
+    if (const auto problem = Validate(plan)) object.RefuseText(problem->key, problem->text);
+  if (const Status status = object.Finish(); !status) return Forward(status);
+  return plan;
+}
+
+}  // namespace
+
+Result<CapturePlan> ParsePlanByHand(StrictObject object) {
+  CapturePlan plan;
+  plan.by_hand = true;
+  return ReadRest(object, plan);
 }
 
 Result<CapturePlan> ParseCapturePlan(StrictObject object) {
@@ -148,39 +186,32 @@ Result<CapturePlan> ParseCapturePlan(StrictObject object) {
     value = object.OptionalNumber(key).value_or(value);
   };
   number("start_deg", plan.start_deg);
-  number("step_deg", plan.step_deg);
   number("backlash_deg", plan.backlash_deg);
   number("settle_ms", plan.settle_ms);
-  number("gain_db", plan.gain_db);
   number("tolerance_deg", plan.tolerance_deg);
   number("move_timeout_s", plan.move_timeout_s);
-  number("frame_timeout_s", plan.frame_timeout_s);
-  plan.count = object.OptionalInteger("count", 1, 100000).value_or(plan.count);
-  plan.retries = object.OptionalInteger("retries", 0, 100).value_or(plan.retries);
   plan.closure = object.OptionalBoolean("closure").value_or(plan.closure);
   if (object.OptionalChoice("direction", {"ccw", "cw"}) == "cw")
     plan.direction = TurnDirection::kCw;
   if (object.OptionalChoice("approach", {"one-sided", "direct"}) == "direct")
     plan.approach = Approach::kDirect;
-  if (object.Has("exposures_us")) plan.exposures_us = ReadExposures(object);
   if (const auto limits = object.OptionalNumbers("limits_deg", 2))
     plan.limits = AngleLimits{(*limits)[0], (*limits)[1]};
-  if (object.ok())
-    if (const auto problem = Validate(plan)) object.RefuseText(problem->key, problem->text);
-  if (const Status status = object.Finish(); !status) return Forward(status);
-  return plan;
+  return ReadRest(object, plan);
 }
 
 std::string Label(const PlannedFrame& planned) {
+  if (planned.by_hand) return FrameLabel(planned.index, std::nullopt);
   return FrameLabel(planned.index, planned.angle_deg, planned.closure);
 }
 
 std::vector<PlannedFrame> PlannedFrames(const CapturePlan& plan) {
   const std::int64_t start = ToMicro(plan.start_deg);
-  const std::int64_t step = Sign(plan) * ToMicro(plan.step_deg);
+  const std::int64_t step = plan.by_hand ? 0 : Sign(plan) * ToMicro(plan.step_deg);
   std::vector<PlannedFrame> frames;
   for (std::int64_t i = 0; i < plan.count; ++i)
-    frames.push_back({static_cast<std::size_t>(i), ToDegrees(start + i * step), false});
+    frames.push_back(
+        {static_cast<std::size_t>(i), ToDegrees(start + i * step), false, plan.by_hand});
   if (plan.closure) {
     const std::int64_t turns = Swept(plan) / kTurn + 1;  // the next whole one
     frames.push_back({frames.size(), ToDegrees(start + Sign(plan) * turns * kTurn), true});
@@ -214,7 +245,8 @@ PlanEstimate EstimatePlan(const CapturePlan& plan, const TableKinematics& kinema
   std::optional<double> at;
   estimate.range = {plan.start_deg, plan.start_deg};
   for (const PlannedFrame& frame : PlannedFrames(plan)) {
-    for (const double leg : MoveLegs(plan, at, frame.angle_deg)) {
+    for (const double leg :
+         plan.by_hand ? std::vector<double>() : MoveLegs(plan, at, frame.angle_deg)) {
       const double distance = std::abs(leg - at.value_or(plan.start_deg));
       estimate.travel_deg += distance;
       estimate.seconds += MoveSeconds(kinematics, distance);
@@ -222,7 +254,7 @@ PlanEstimate EstimatePlan(const CapturePlan& plan, const TableKinematics& kinema
       estimate.range.max_deg = std::max(estimate.range.max_deg, leg);
       at = leg;
     }
-    estimate.seconds += plan.settle_ms * 1e-3 + exposure_s;
+    estimate.seconds += (plan.by_hand ? 0.0 : plan.settle_ms * 1e-3) + exposure_s;
     ++estimate.frames;
   }
   estimate.exposures = estimate.frames * plan.exposures_us.size();

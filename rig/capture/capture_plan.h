@@ -2,6 +2,9 @@
 //
 // Angles are decimal numbers with at most 6 places and are counted in whole microdegrees, so that
 // 36 steps of 10 degrees end at 360 and not at 359.99999.
+//
+// A camera that is carried by hand has no angles: of its plan count, step_deg, exposures, retries
+// and the frame's timeout count.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +31,9 @@ struct AngleLimits {
 };
 
 struct CapturePlan {
+  // No table: step_deg is the least view change from one keyframe to any other, at most 180, and
+  // there is one exposure and no closure.
+  bool by_hand = false;
   double start_deg = 0.0;   // -36000..36000
   double step_deg = 10.0;   // above 0, at most 360
   std::int64_t count = 36;  // keyframes, 1..100000, without the closure frame
@@ -61,6 +67,9 @@ std::optional<PlanProblem> Validate(const CapturePlan& plan);
 // closure (true, false), tolerance_deg, move_timeout_s, frame_timeout_s, limits_deg ([min, max]).
 // Messages name file, line and key.
 Result<CapturePlan> ParseCapturePlan(StrictObject object);
+// Of a camera that is carried by hand: step_deg, count, exposures_us (a list of one), gain_db,
+// retries, frame_timeout_s.
+Result<CapturePlan> ParsePlanByHand(StrictObject object);
 
 // One frame of the plan. index counts in the order of capture and is the frame's number in the
 // session; the closure frame comes last, has index == count and is not part of the session's
@@ -69,8 +78,9 @@ struct PlannedFrame {
   std::size_t index = 0;
   double angle_deg = 0.0;  // commanded; not wrapped: 0, 10, ... 350, closure 360; cw: 0, -10, ...
   bool closure = false;
+  bool by_hand = false;  // at no angle
 };
-// "frame 3 (30.0 deg)", or "closure frame (360.0 deg)".
+// "frame 3 (30.0 deg)", "closure frame (360.0 deg)", or by hand "frame 3".
 std::string Label(const PlannedFrame& planned);
 // In order of capture. plan must be valid, here and below.
 std::vector<PlannedFrame> PlannedFrames(const CapturePlan& plan);

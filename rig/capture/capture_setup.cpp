@@ -77,6 +77,7 @@ JournalHeader MakeHeader(const CaptureSetup& setup) {
   }
   header.camera_identity = setup.camera_identity;
   header.table_identity = setup.table_identity;
+  header.by_hand = setup.plan.by_hand;
   for (const PlannedFrame& planned : PlannedFrames(setup.plan)) {
     if (planned.closure)
       header.closure_deg = planned.angle_deg;

@@ -89,8 +89,10 @@ JournalEntry MakeEntry(const RecordedKeyframe& keyframe, const PlannedFrame& pla
   entry.index = planned.index;
   entry.frame.image = stem + (StoredDepth(setup) == CV_32F ? ".exr" : ".png");
   if (!keyframe.validity.empty()) entry.frame.validity = stem + ".validity.png";
-  entry.frame.angle_deg = planned.angle_deg;
-  entry.frame.angle_measured_deg = keyframe.angle_measured_deg;
+  if (!planned.by_hand) {
+    entry.frame.angle_deg = planned.angle_deg;
+    entry.frame.angle_measured_deg = keyframe.angle_measured_deg;
+  }
   entry.frame.exposure = keyframe.exposure;
   entry.frame.has_gain = true;
   entry.frame.X_WC = keyframe.X_WC;

@@ -42,8 +42,8 @@ namespace turnlight::rig {
 
 // One keyframe, as it goes into the session.
 struct RecordedKeyframe {
-  std::size_t index = 0;  // of PlannedFrames
-  double angle_measured_deg = 0.0;
+  std::size_t index = 0;            // of PlannedFrames
+  double angle_measured_deg = 0.0;  // unused if it was taken by hand
   calib::Pose X_WC, X_WT;
   cv::Mat image;             // MergedFrame::image: raw DN, or CV_32F of a bracket
   cv::Mat1b validity;        // MergedFrame::validity; may be empty

@@ -86,6 +86,7 @@ Result<JournalHeader> ParseHeader(std::string_view record, const std::string& wh
   header.table_identity = object.String("table_device");
   header.angles_deg = Angles(object);
   header.closure_deg = object.OptionalNumber("closure_deg");
+  header.by_hand = object.OptionalBoolean("by_hand").value_or(false);
   if (const Status status = object.Finish(); !status) return Forward(status);
   return header;
 }
@@ -142,6 +143,7 @@ std::string PrintJournalLine(const JournalHeader& header) {
   record["table_device"] = header.table_identity;
   record["angles_deg"] = header.angles_deg;
   if (header.closure_deg) record["closure_deg"] = *header.closure_deg;
+  if (header.by_hand) record["by_hand"] = true;
   return Frame(record);
 }
 
@@ -200,6 +202,7 @@ std::vector<std::string> EntryProblems(const fs::path& root, const JournalEntry&
 
 std::string EntryLabel(const JournalHeader& header, std::size_t index) {
   const bool closure = index >= header.angles_deg.size();
+  if (header.by_hand) return FrameLabel(index, std::nullopt);
   return FrameLabel(index, closure ? header.closure_deg : header.angles_deg[index], closure);
 }
 

@@ -25,6 +25,7 @@ struct JournalHeader {
   std::optional<std::string> mesh_path, mesh_sha256;
   std::string camera_identity, table_identity;  // "vendor, model, serial"
   std::vector<double> angles_deg;               // commanded, in order of capture
+  bool by_hand = false;  // the camera was carried: the angles are as many as frames, and all 0
   std::optional<double> closure_deg;
 };
 
@@ -53,7 +54,7 @@ enum class EntryFiles { kAll, kValidity };
 std::vector<std::string> EntryProblems(const std::filesystem::path& root, const JournalEntry& entry,
                                        EntryFiles which = EntryFiles::kAll);
 
-// "frame 3 (30.0 deg)", or "closure frame (360.0 deg)".
+// "frame 3 (30.0 deg)", "closure frame (360.0 deg)", or by hand "frame 3".
 std::string EntryLabel(const JournalHeader& header, std::size_t index);
 
 }  // namespace turnlight::rig

@@ -62,10 +62,11 @@ void Begin(Reader& reader, const std::string& bytes) {
 }
 
 // False with a message.
-bool ReadHeader(Reader& reader) {
+bool ReadHeader(Reader& reader, JpegChannels channels) {
   if (setjmp(reader.back) != 0) return false;
   jpeg_read_header(&reader.jpeg, TRUE);
-  reader.jpeg.out_color_space = JCS_GRAYSCALE;
+  const bool colour = channels == JpegChannels::kAsStored && reader.jpeg.num_components == 3;
+  reader.jpeg.out_color_space = colour ? JCS_RGB : JCS_GRAYSCALE;
   return true;
 }
 
@@ -109,11 +110,12 @@ int ExifOrientation(std::string_view exif) {
   return 1;
 }
 
-Result<JpegPicture> Decode(Reader& reader, const std::string& bytes, const std::string& file) {
+Result<JpegPicture> Decode(Reader& reader, const std::string& bytes, const std::string& file,
+                           JpegChannels channels) {
   const auto damaged = [&] {
     return InputError(file + ": damaged or truncated JPEG: " + reader.message);
   };
-  if (!ReadHeader(reader)) return damaged();
+  if (!ReadHeader(reader, channels)) return damaged();
   const auto& jpeg = reader.jpeg;
   const ImageHeader header{jpeg.image_width, jpeg.image_height, 1};
   if (const Status status = CheckImageHeader(header, file, {}, bytes.size()); !status)
@@ -126,22 +128,23 @@ Result<JpegPicture> Decode(Reader& reader, const std::string& bytes, const std::
     if (picture.orientation == 1)
       picture.orientation = ExifOrientation(
           {reinterpret_cast<const char*>(marker->data), std::size_t{marker->data_length}});
-  picture.grey.create(static_cast<int>(jpeg.image_height), static_cast<int>(jpeg.image_width),
-                      CV_8U);
-  if (!ReadRows(reader, picture.grey.data, picture.grey.step)) return damaged();
+  picture.image.create(static_cast<int>(jpeg.image_height), static_cast<int>(jpeg.image_width),
+                       jpeg.out_color_space == JCS_RGB ? CV_8UC3 : CV_8UC1);
+  if (!ReadRows(reader, picture.image.data, picture.image.step)) return damaged();
   return picture;
 }
 
 }  // namespace
 
-Result<JpegPicture> DecodeJpeg(const std::string& bytes, const std::string& file) {
+Result<JpegPicture> DecodeJpeg(const std::string& bytes, const std::string& file,
+                               JpegChannels channels) {
   if (!bytes.starts_with("\xff\xd8\xff"))
     return InputError(file + ": not a JPEG file: its first 3 bytes are not JPEG's");
   Reader reader{};
   Begin(reader, bytes);
   Result<JpegPicture> picture = InputError("");
   try {
-    picture = Decode(reader, bytes, file);
+    picture = Decode(reader, bytes, file, channels);
   } catch (const std::exception& error) {
     picture = InputError(file + ": " + error.what());
   }

@@ -33,6 +33,7 @@ Result<Studio> BuildStudio(const MockCameraConfig& config) {
   studio->radiometry.reference_exposure_us = config.reference_exposure_us;
   studio->places = config.geometry;
   studio->prop = config.prop;
+  studio->walk = config.walk;
   if (config.scene.motion.kind == MotionKind::kTable)
     studio->rig = GeometryOf(config.scene.motion, config.geometry);
   return studio;

@@ -14,6 +14,7 @@
 #include "rig/sim/prop.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/true_geometry.h"
+#include "rig/sim/walk.h"
 
 namespace turnlight::rig::sim {
 
@@ -54,6 +55,7 @@ struct MockCameraConfig {
   SyntheticConfig scene;                    // without masks and clip_share
   TrueGeometry geometry;                    // of a table; of an orbit as by default
   std::optional<Prop> prop;                 // stands there instead of the scene's target
+  std::optional<Walk> walk;                 // the camera is carried; without a prop
   double reference_exposure_us = 8000.0;    // 10..1e7
   double trigger_latency_ms = 0.2;          // 0..1000
   double blur_threshold_deg = 1e-4;         // 0..10

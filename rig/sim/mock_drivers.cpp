@@ -40,6 +40,9 @@ Result<SimulatedWorld> BuildWorld(SimulationConfig config) {
   SimulatedWorld world{std::move(config), nullptr,
                        std::make_shared<const Studio>(std::move(*studio)), nullptr};
   world.faults = std::make_shared<FaultScript>(world.config.faults);
+  // A camera that is carried has none, but faults are told by the angle of one that stands.
+  if (world.config.camera.walk)
+    world.table = std::make_shared<MockTurntable>(world.config.table, world.faults);
   return world;
 }
 

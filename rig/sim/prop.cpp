@@ -8,6 +8,7 @@
 #include "base/angles.h"
 #include "base/random.h"
 #include "calib/calibrate/board/board_print.h"
+#include "calib/calibrate/board/board_words.h"
 #include "calib/rig_geometry.h"
 #include "rig/sim/board_picture.h"
 #include "rig/sim/true_geometry.h"
@@ -24,17 +25,6 @@ constexpr int kMaxDraws = 2000;
 constexpr double kPictureMarginPx = 2.0;
 
 Range Above0(double max) { return {.max = max, .above = 0.0}; }
-
-void ReadLook(StrictObject& object, BoardLook& look) {
-  const auto number = [&object](const char* key, Range range, double& value) {
-    value = object.OptionalNumber(key, range).value_or(value);
-  };
-  number("bright", kRadiance, look.bright);
-  number("dark", kRadiance, look.dark);
-  number("background", kRadiance, look.background);
-  number("quiet_border", {.min = 0.0, .max = 1e6}, look.quiet_border);
-  number("blur_px", {.min = 0.0, .max = 50.0}, look.blur_px);
-}
 
 Result<Prop> ReadTableBoard(StrictObject& object, board::Board read) {
   TableBoard prop;
@@ -122,22 +112,15 @@ bool IsInPicture(const HandheldBoard& prop, const calib::Pose& X_CB,
 
 }  // namespace
 
-Result<board::Board> ReadBoard(StrictObject object) {
-  board::Board read;
-  const auto kind = object.OptionalChoice("kind", {"chessboard", "charuco", "apriltags"});
-  if (kind == "charuco") read.kind = board::BoardKind::kCharuco;
-  if (kind == "apriltags") read.kind = board::BoardKind::kAprilTagGrid;
-  read.columns = static_cast<int>(object.Integer("columns", 2, 1000));
-  read.rows = static_cast<int>(object.Integer("rows", 2, 1000));
-  read.spacing = object.Number("spacing", Above0(1e6));
-  if (read.kind != board::BoardKind::kChessboard) {
-    read.marker = object.Number("marker", Above0(1e6));
-    read.dictionary = object.String("dictionary");
-  }
-  if (const Status status = object.Finish(); !status) return Forward(status);
-  if (const Status good = board::CheckBoard(read); !good)
-    return InputError(object.Where("") + ": " + good.error().text);
-  return read;
+void ReadLook(StrictObject& object, BoardLook& look) {
+  const auto number = [&object](const char* key, Range range, double& value) {
+    value = object.OptionalNumber(key, range).value_or(value);
+  };
+  number("bright", kRadiance, look.bright);
+  number("dark", kRadiance, look.dark);
+  number("background", kRadiance, look.background);
+  number("quiet_border", {.min = 0.0, .max = 1e6}, look.quiet_border);
+  number("blur_px", {.min = 0.0, .max = 50.0}, look.blur_px);
 }
 
 Result<Prop> ReadProp(StrictObject object) {
@@ -150,7 +133,7 @@ Result<Prop> ReadProp(StrictObject object) {
   if (kind == "board" || kind == "handheld") {
     const StrictObject keys = object.Object("board");
     if (!object.ok()) return Forward(object.Finish());
-    auto read = ReadBoard(keys);
+    auto read = board::ReadBoard(keys);
     if (!read) return Forward(read);
     return kind == "board" ? ReadTableBoard(object, std::move(*read))
                            : ReadHandheld(object, std::move(*read));

@@ -78,10 +78,8 @@ struct LampOff {};
 using Prop = std::variant<TableBoard, HandheldBoard, BallOnTable, EvenField, LampOff>;
 
 Result<Prop> ReadProp(StrictObject object);
-
-// kind (chessboard, charuco, apriltags; chessboard if left out), columns, rows, spacing, and of
-// those with markers marker and dictionary; see calib/calibrate/board/board.h.
-Result<calib::calibrate::board::Board> ReadBoard(StrictObject object);
+// The look's keys, where others stand beside them.
+void ReadLook(StrictObject& object, BoardLook& look);
 
 // X_AB of a board on the table, and X_CB of a board held by hand.
 calib::Pose PoseOf(const TableBoard& prop);

@@ -154,21 +154,24 @@ View Shutter::ViewOf(const Shot& shot, double angle_deg) const {
   return {angle_deg, shot.lit};
 }
 
+double Shutter::AngleDeg(DeviceTime time) const {
+  return studio_->walk ? WalkedDeg(*studio_->walk, time) : table_->TrueAngleDeg(time);
+}
+
 cv::Mat3f Shutter::Expose(const Shot& shot) {
   const int count = config_.blur_samples;
   std::vector<double> angles_deg;
   for (int i = 0; i < count; ++i)
     angles_deg.push_back(
-        table_->TrueAngleDeg(shot.begin + (shot.end - shot.begin) * (2 * i + 1) / (2 * count)));
-  double low = table_->TrueAngleDeg(shot.begin), high = low;
+        AngleDeg(shot.begin + (shot.end - shot.begin) * (2 * i + 1) / (2 * count)));
+  double low = AngleDeg(shot.begin), high = low;
   for (const double angle_deg : angles_deg) {
     low = std::min(low, angle_deg);
     high = std::max(high, angle_deg);
   }
-  const double last_deg = table_->TrueAngleDeg(shot.end);
+  const double last_deg = AngleDeg(shot.end);
   if (std::max(high, last_deg) - std::min(low, last_deg) <= config_.blur_threshold_deg)
-    return cache_.Radiance(
-        ViewOf(shot, table_->TrueAngleDeg(shot.begin + (shot.end - shot.begin) / 2)));
+    return cache_.Radiance(ViewOf(shot, AngleDeg(shot.begin + (shot.end - shot.begin) / 2)));
   cv::Mat3f sum(studio_->rays.height(), studio_->rays.width(), cv::Vec3f(0, 0, 0));
   for (const double angle_deg : angles_deg)
     sum += RenderView(*studio_, ViewOf(shot, angle_deg)).radiance;
@@ -179,7 +182,7 @@ cv::Mat Shutter::Develop(const Shot& shot, const Sensor& sensor,
                          const calib::Radiometry& radiometry, bool grey) {
   const RandomStream noise = NoiseStream(config_.noise_seed.value_or(config_.scene.seed),
                                          table_->CommandedAngleDeg(shot.begin), shot.set,
-                                         studio_->prop ? shot.picture : 0);
+                                         studio_->prop || studio_->walk ? shot.picture : 0);
   const cv::Mat3f colour = Expose(shot) * shot.light_factor;
   const cv::Mat radiance = grey ? cv::Mat(MeanOfChannels(colour)) : cv::Mat(colour);
   cv::Mat image = Photograph(sensor, radiometry, {shot.actual.exposure_us, shot.actual.gain_db},

@@ -14,7 +14,8 @@
 // value), never by attempt or clock: a picture taken again at the same commanded angle with the
 // same settings is the same bits (design, section 10). Two pictures at one commanded angle
 // therefore share their noise; 0 and 360 degrees are different angles. With a prop
-// (rig/sim/prop.h) it is keyed by the picture's number, too.
+// (rig/sim/prop.h) or a camera that is carried (rig/sim/walk.h) it is keyed by the picture's
+// number, too; the latter's angle is how far it was carried.
 #pragma once
 
 #include <cstdint>
@@ -89,6 +90,8 @@ class Shutter {
   Shot MakeShot(const CameraSettings& settings, DeviceTime begin);
   void StrikeShot(Shot& shot, DeviceTime now);
   void Enqueue(Shot shot);
+  // Of the table, or of a camera that is carried round.
+  double AngleDeg(DeviceTime time) const;
   View ViewOf(const Shot& shot, double angle_deg) const;
   cv::Mat3f Expose(const Shot& shot);
 

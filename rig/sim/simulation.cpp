@@ -29,6 +29,7 @@ Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngle
   const auto shutter = object.OptionalObject("shutter");
   const auto geometry = object.OptionalObject("geometry");
   const auto prop = object.OptionalObject("prop");
+  const auto walk = object.OptionalObject("walk");
   const auto faults = object.OptionalObject("faults");
   // Knows by now the keys that are not the scene's.
   auto scene = ReadSyntheticConfig(object);
@@ -41,6 +42,15 @@ Result<SimulationConfig> ReadSimulation(StrictObject object, const KeyframeAngle
   if (shutter)
     if (Status status = ReadShutter(*shutter, config.camera); !status) return Forward(status);
   if (Status status = ReadPlaces(geometry, prop, config.camera); !status) return Forward(status);
+  if (walk) {
+    if (config.camera.scene.motion.kind != MotionKind::kOrbit || prop)
+      return InputError(walk->Where("") +
+                        (prop ? ": it stands beside prop" : ": motion/kind is table") +
+                        ", allowed is this section without prop, where motion/kind is orbit");
+    auto read = ReadWalk(*walk);
+    if (!read) return Forward(read);
+    config.camera.walk = std::move(*read);
+  }
   if (!faults) return config;
   auto entries = ReadFaultScript(*faults, angles, world);
   if (!entries) return Forward(entries);

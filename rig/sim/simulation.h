@@ -12,6 +12,8 @@
 //            (there)
 //   geometry where axis and target really are (rig/sim/true_geometry.h); motion/kind must be table
 //   prop     what stands there instead of the target (rig/sim/prop.h)
+//   walk     the camera is carried round target and board (rig/sim/walk.h); motion/kind must be
+//            orbit, without prop
 //   faults   what goes wrong, and when (rig/sim/fault_script.h)
 #pragma once
 

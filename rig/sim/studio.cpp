@@ -107,6 +107,20 @@ cv::Mat3f RenderProp(const Studio& studio, const calib::RigPoses& poses, double 
                    cv::Vec3f(level.x(), level.y(), level.z()));
 }
 
+// The target before its board. It casts no shadow on it.
+estimator::target::Rendering RenderWalk(const Studio& studio, const View& view) {
+  const Walk& walk = *studio.walk;
+  const calib::RigPoses poses =
+      PosesOf(walk, std::get<calib::OrbitGeometry>(studio.rig), view.angle_deg);
+  estimator::target::Rendering rendering = RenderPlacement(studio, poses, view.lit);
+  cv::Mat3f board = RenderBoard(walk.board, walk.look,
+                                poses.X_WC.Inverse() * PoseInMiddle(walk.board), studio.camera);
+  Shade(studio, board);
+  for (int i = 0; i < static_cast<int>(board.total()); ++i)
+    rendering.radiance(i) += (1.0f - rendering.coverage(i)) * board(i);
+  return rendering;
+}
+
 double GainFactor(const calib::Radiometry& radiometry, const calib::Exposure& exposure) {
   return std::pow(10.0, (exposure.gain_db - radiometry.reference_gain_db.value_or(0.0)) / 20.0);
 }
@@ -163,6 +177,7 @@ Result<Studio> BuildStudio(const SyntheticConfig& config) {
                 GeometryOf(config.motion),
                 {},
                 config.seed,
+                {},
                 {}};
   studio.radiometry.reference_gain_db = 0.0;
   return studio;
@@ -199,6 +214,7 @@ bool IsHandheld(const Studio& studio) {
 }
 
 estimator::target::Rendering RenderView(const Studio& studio, const View& view) {
+  if (studio.walk) return RenderWalk(studio, view);
   const double angle_deg =
       view.angle_deg + AngleNoiseDeg(studio.places, studio.seed, view.angle_deg);
   const calib::RigPoses poses = calib::PosesAt(studio.rig, angle_deg);

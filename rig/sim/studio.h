@@ -18,6 +18,7 @@
 #include "rig/sim/prop.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/true_geometry.h"
+#include "rig/sim/walk.h"
 
 namespace turnlight::rig::sim {
 
@@ -34,6 +35,7 @@ struct Studio {
   TrueGeometry places;       // that it was made of
   std::uint64_t seed = 1;    // of the angle noise
   std::optional<Prop> prop;  // stands there instead of the target
+  std::optional<Walk> walk;  // the camera is carried round it; rig is an orbit
 };
 
 // Fails (kInput): what Validate refuses, lights that cannot be placed as far apart as asked. The
@@ -52,7 +54,7 @@ estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::
 
 // One picture of what stands there.
 struct View {
-  double angle_deg = 0.0;  // the table's
+  double angle_deg = 0.0;  // the table's, or how far a camera was carried
   bool lit = true;
   std::uint64_t picture = 0;  // a number, of boards held by hand; 0 of all else
 

@@ -1,20 +1,23 @@
 // Proves of the program: rendered pictures of a board, taken from known places, become a session
-// with those poses and a keyframe for each step of view change; picked corners of a plane do
-// likewise; what cannot be is refused with what is allowed, and a picture without a board is named.
-// Does not prove: anything of real cameras.
+// with those poses and a keyframe for each step of view change; JPEG becomes PNG of the same
+// values; picked corners of a plane do likewise; what cannot be is refused with what is allowed,
+// and a picture without a board is named. Does not prove: anything of real cameras.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "base/angles.h"
 #include "base/format.h"
 #include "calib/rig_geometry.h"
 #include "rig/session/image_file.h"
+#include "rig/session/jpeg_file.h"
 #include "rig/session/session.h"
 #include "rig/sim/board_picture.h"
 #include "tests/app/program.h"
+#include "tests/rig/session/jpeg_writer.h"
 
 namespace turnlight::app {
 namespace {
@@ -92,6 +95,40 @@ TEST_F(Register, AWalkRoundABoardBecomesASession) {
     EXPECT_EQ(ReadText(fs::path(out_) / frame.image), ReadText(pictures[2 * i]));
   }
   EXPECT_EQ(RunProgram({"verify", out_}).exit_code, 0);
+}
+
+// With the values that they have, as PNG.
+TEST_F(Register, JpegPicturesBecomePngWithANote) {
+  std::vector<std::string> pictures;
+  for (const double azimuth : {200.0, 220.0}) {
+    const std::string png = TakeBoard(azimuth);
+    pictures.push_back(fs::path(png).replace_extension(".jpg"));
+    cv::Mat colour;
+    cv::cvtColor(*rig::ReadImage(png), colour, cv::COLOR_GRAY2RGB);
+    WriteText(pictures.back(), rig::WriteJpeg(colour));
+  }
+  std::vector<std::string> more = board_;
+  for (const char* word : {"--sphere", "20", "--step-deg", "5"}) more.push_back(word);
+  const Outcome run = RunRegister(pictures, more);
+  ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+  EXPECT_THAT(run.out, HasSubstr("note: JPEG has 8 bits, is compressed with loss and gamma"));
+  const auto session = rig::ReadSession(out_);
+  ASSERT_TRUE(session) << session.error().text;
+  EXPECT_EQ(session->radiometry.encoding, calib::Encoding::kSrgb);
+  ASSERT_EQ(session->frames.size(), 2u);
+  EXPECT_EQ(session->frames[1].image, "frames/001.png");
+  const auto jpeg =
+      rig::DecodeJpeg(ReadText(pictures[1]), pictures[1], rig::JpegChannels::kAsStored);
+  ASSERT_TRUE(jpeg) << jpeg.error().text;
+  EXPECT_EQ(cv::norm(*rig::ReadImage(fs::path(out_) / session->frames[1].image), jpeg->image,
+                     cv::NORM_INF),
+            0.0);
+  EXPECT_EQ(RunProgram({"verify", out_}).exit_code, 0);
+  fs::remove_all(out_);
+  pictures.front() = TakeBoard(200.0);
+  const Outcome mixed = RunRegister(pictures, more);
+  EXPECT_EQ(mixed.exit_code, 2);
+  EXPECT_THAT(mixed.err, HasSubstr("1 of 2 keyframes are JPEG, allowed are all or none"));
 }
 
 TEST_F(Register, PickedCornersOfAPlaneDoAsWell) {

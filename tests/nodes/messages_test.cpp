@@ -49,6 +49,11 @@ void ExpectSameBytesAgain(const T& value) {
 TEST(Messages, ComeBackAsTheyWere) {
   const Bracket bracket = MakeBracket();
   ExpectSameBytesAgain(bracket);
+  Bracket by_hand = bracket;
+  by_hand.placed = calib::RigPoses{};
+  by_hand.placed->X_WC.translation = {1.0, 2.0, 3.0};
+  ExpectSameBytesAgain(by_hand);
+  ExpectSameBytesAgain(Guidance{"move on up", 3, 36});
   Keyframe keyframe;
   keyframe.bracket = bracket;
   keyframe.camera_sha256 = "abc";

@@ -202,8 +202,10 @@ MockRigRun RunMockRig(const MockRigOptions& options) {
   Expect(rig::OpenRig(setup));
   const Recorder recorder = OpenRecorder(options, setup);
   const auto work = std::make_shared<const CaptureWork>(
-      CaptureWork{recorder ? recorder->Missing() : rig::PlannedFrames(options.plan), recorder,
-                  [&run](const std::string& line) { run.lines.push_back(line); }});
+      CaptureWork{recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
+                  recorder,
+                  [&run](const std::string& line) { run.lines.push_back(line); },
+                  {}});
   auto config = Expect(graph::ParseGraphConfig(GraphText(options), "mock_rig.yaml"));
   auto graph = Expect(graph::Graph::Build(
       std::move(config),

@@ -10,6 +10,7 @@
 #include "base/statistics.h"
 #include "calib/calibrate/axis/board_pose.h"
 #include "calib/calibrate/axis/numbering.h"
+#include "calib/calibrate/board/number_lattice.h"
 #include "calib/rig_geometry.h"
 
 namespace turnlight::calib::calibrate::axis {

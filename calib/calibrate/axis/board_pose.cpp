@@ -140,17 +140,4 @@ BoardPoses GuessBoardPoses(const board::Board& board, const CameraModel& camera,
   return guess;
 }
 
-std::vector<Pose> SameLookingTurns(const board::Board& board) {
-  const auto points = BoardPoints(board);
-  std::vector<Pose> turns;
-  for (const std::vector<std::size_t>& way : SameLookingNumberings(board)) {
-    Pose turn;
-    turn.translation = points[way[0]];
-    turn.rotation.col(0) = (points[way[1]] - points[way[0]]).normalized();
-    turn.rotation.col(1) = Eigen::Vector3d::UnitZ().cross(turn.rotation.col(0));
-    turns.push_back(turn);
-  }
-  return turns;
-}
-
 }  // namespace turnlight::calib::calibrate::axis

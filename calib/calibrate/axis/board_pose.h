@@ -20,8 +20,4 @@ struct BoardPoses {
 BoardPoses GuessBoardPoses(const board::Board& board, const CameraModel& camera,
                            const board::BoardView& view);
 
-// The poses that a chessboard is seen in if its points are numbered from another corner: B of the
-// board as it is, B' of it numbered otherwise. The first is the identity.
-std::vector<Pose> SameLookingTurns(const board::Board& board);
-
 }  // namespace turnlight::calib::calibrate::axis

@@ -26,4 +26,14 @@ std::vector<Eigen::Vector3d> BoardPoints(const Board& board) {
   return points;
 }
 
+Pose PoseInMiddle(const Board& board) {
+  const std::vector<Eigen::Vector3d> places = BoardPoints(board);
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& place : places) middle += place / static_cast<double>(places.size());
+  Pose pose;
+  pose.rotation = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  pose.translation = -(pose.rotation * middle);
+  return pose;
+}
+
 }  // namespace turnlight::calib::calibrate::board

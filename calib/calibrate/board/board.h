@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "calib/pose.h"
+
 namespace turnlight::calib::calibrate::board {
 
 enum class BoardKind {
@@ -37,6 +39,10 @@ struct Board {
 
 // p_B of all points, by their number. z = 0.
 std::vector<Eigen::Vector3d> BoardPoints(const Board& board);
+
+// The board in a frame in the middle of its points, whose x is along its rows and whose z is out of
+// its printed side, towards who looks at it.
+Pose PoseInMiddle(const Board& board);
 
 struct SeenPoint {
   std::size_t point = 0;                            // of the board

@@ -81,4 +81,22 @@ std::string BoardText(const Board& board) {
   return "a grid of " + size + " tags " + apart + ", " + markers;
 }
 
+Result<Board> ReadBoard(StrictObject object) {
+  Board read;
+  const auto kind = object.OptionalChoice("kind", {"chessboard", "charuco", "apriltags"});
+  if (kind == "charuco") read.kind = BoardKind::kCharuco;
+  if (kind == "apriltags") read.kind = BoardKind::kAprilTagGrid;
+  read.columns = static_cast<int>(object.Integer("columns", 2, 1000));
+  read.rows = static_cast<int>(object.Integer("rows", 2, 1000));
+  read.spacing = object.Number("spacing", {.max = 1e6, .above = 0.0});
+  if (read.kind != BoardKind::kChessboard) {
+    read.marker = object.Number("marker", {.max = 1e6, .above = 0.0});
+    read.dictionary = object.String("dictionary");
+  }
+  if (const Status status = object.Finish(); !status) return Forward(status);
+  if (const Status good = CheckBoard(read); !good)
+    return InputError(object.Where("") + ": " + good.error().text);
+  return read;
+}
+
 }  // namespace turnlight::calib::calibrate::board

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "base/strict_object.h"
 #include "calib/calibrate/board/board.h"
 
 namespace turnlight::calib::calibrate::board {
@@ -20,6 +21,10 @@ struct BoardWords {
 
 // Lengths in mm. Fails (kInput) with the option's name, the value and what is allowed.
 Result<Board> ParseBoard(const BoardWords& words);
+
+// As an object of a config: kind (chessboard, charuco, apriltags; chessboard if left out), columns,
+// rows, spacing, and of those with markers marker and dictionary, as the members of Board.
+Result<Board> ReadBoard(StrictObject object);
 
 // "a chessboard of 10 x 7 inner corners 18 mm apart"
 std::string BoardText(const Board& board);

@@ -8,6 +8,7 @@
 #include "base/result.h"
 #include "calib/calibrate/board/board.h"
 #include "calib/calibrate/board/corner_lattice.h"
+#include "calib/pose.h"
 
 namespace turnlight::calib::calibrate::board {
 
@@ -23,5 +24,8 @@ Result<CornerLattice> NumberLattice(const cv::Mat& picture, const CornerLattice&
 // point that is where point i was, after a turn that the colours of its squares allow. Four for 10
 // x 10, two for 7 x 7 or 8 x 6, one for 9 x 6 and for boards with markers.
 std::vector<std::vector<std::size_t>> SameLookingNumberings(const Board& board);
+// The poses that a chessboard is seen in if its points are numbered from another corner: B of the
+// board as it is, B' of it numbered otherwise. The first is the identity.
+std::vector<Pose> SameLookingTurns(const Board& board);
 
 }  // namespace turnlight::calib::calibrate::board

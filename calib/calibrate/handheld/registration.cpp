@@ -80,22 +80,24 @@ RegisteredView RegisterOne(const CameraModel& camera, const PlaneView& view,
 
 }  // namespace
 
+RegisteredView Registration::Register(const PlaneView& view) {
+  RegisteredView registered = RegisterOne(camera_, view, before_, options_);
+  if (!registered.pose) return registered;
+  before_ = registered.pose->X_CB;
+  const Eigen::Vector3d direction = DirectionOf(registered);
+  registered.view_change_deg = keyframes_.NearestDeg(direction).value_or(0.0);
+  registered.keyframe = keyframes_.IsKeyframe(direction);
+  return registered;
+}
+
 std::vector<RegisteredView> RegisterViews(const CameraModel& camera,
                                           const std::vector<PlaneView>& views, const Pose& X_BT,
                                           const RegistrationOptions& options) {
+  Registration registration(camera, X_BT, options);
   std::vector<RegisteredView> all;
-  ViewChange keyframes(options.step_deg);
-  std::optional<Pose> before;
   for (const PlaneView& view : views) {
-    RegisteredView registered = RegisterOne(camera, view, before, options);
-    if (registered.pose) {
-      before = registered.pose->X_CB;
-      const Eigen::Vector3d direction = ViewDirection((registered.pose->X_CB * X_BT).Inverse());
-      registered.view_change_deg = keyframes.NearestDeg(direction).value_or(0.0);
-      registered.keyframe = keyframes.IsKeyframe(direction);
-      if (registered.keyframe) keyframes.Add(direction);
-    }
-    all.push_back(std::move(registered));
+    all.push_back(registration.Register(view));
+    if (all.back().keyframe) registration.Keep(all.back());
   }
   return all;
 }

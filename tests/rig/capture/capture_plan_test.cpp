@@ -70,6 +70,24 @@ TEST(CapturePlan, EveryKeyIsRead) {
   EXPECT_EQ(plan->limits->max_deg, 400.0);
 }
 
+TEST(CapturePlan, ByHandThereAreNoAngles) {
+  const auto parse = [](const std::string& text) {
+    const auto document = ParseYaml(text, "c.yaml");
+    return ParsePlanByHand(StrictObject(*document));
+  };
+  const auto plan = parse("{count: 3, step_deg: 8, exposures_us: [500], gain_db: 1, retries: 2}");
+  ASSERT_TRUE(plan) << plan.error().text;
+  EXPECT_THAT(Angles(*plan), ElementsAre(0.0, 0.0, 0.0));
+  EXPECT_EQ(Label(PlannedFrames(*plan)[2]), "frame 2");
+  const PlanEstimate estimate = EstimatePlan(*plan, {}, {{64, 48}, 3, CV_16U});
+  EXPECT_EQ(estimate.frames, 3u);
+  EXPECT_EQ(estimate.travel_deg, 0.0);
+  EXPECT_THAT(parse("{settle_ms: 1}").error().text, HasSubstr("settle_ms"));
+  EXPECT_THAT(parse("{step_deg: 200}").error().text, HasSubstr("at most 180"));
+  EXPECT_THAT(parse("{exposures_us: [500, 900]}").error().text,
+              HasSubstr("2 exposures, allowed is one"));
+}
+
 TEST(CapturePlan, AnglesAreExactDecimals) {
   CapturePlan plan;
   plan.step_deg = 0.1;

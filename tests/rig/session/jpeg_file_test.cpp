@@ -33,17 +33,32 @@ TEST(DecodeJpeg, GreyColourAndProgressive) {
        {WriteJpeg(Ramp()), WriteJpeg(colour), WriteJpeg(colour, 0, true)}) {
     const auto picture = DecodeJpeg(bytes, "photo.jpg");
     ASSERT_TRUE(picture) << picture.error().text;
-    ASSERT_EQ(picture->grey.size(), cv::Size(80, 60));
-    EXPECT_LE(cv::norm(picture->grey, Ramp(), cv::NORM_INF), 4.0);
+    ASSERT_EQ(picture->image.size(), cv::Size(80, 60));
+    EXPECT_LE(cv::norm(picture->image, Ramp(), cv::NORM_INF), 4.0);
     EXPECT_EQ(picture->orientation, 1);
   }
+}
+
+TEST(DecodeJpeg, ColourComesAsItIsStoredIfAskedFor) {
+  cv::Mat3b colour(60, 80);
+  for (int row = 0; row < colour.rows; ++row)
+    for (int column = 0; column < colour.cols; ++column)
+      colour(row, column) = {static_cast<unsigned char>(2 * column),
+                             static_cast<unsigned char>(3 * row), 100};
+  const auto stored = DecodeJpeg(WriteJpeg(colour), "photo.jpg", JpegChannels::kAsStored);
+  ASSERT_TRUE(stored) << stored.error().text;
+  ASSERT_EQ(stored->image.type(), CV_8UC3);
+  EXPECT_LE(cv::norm(stored->image, colour, cv::NORM_INF), 8.0);  // R, G, B in their order
+  const auto grey = DecodeJpeg(WriteJpeg(Ramp()), "photo.jpg", JpegChannels::kAsStored);
+  ASSERT_TRUE(grey) << grey.error().text;
+  EXPECT_EQ(grey->image.type(), CV_8UC1);
 }
 
 TEST(DecodeJpeg, ExifIsToldAndNotObeyed) {
   const auto picture = DecodeJpeg(WriteJpeg(Ramp(), 6), "photo.jpg");
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->orientation, 6);
-  EXPECT_EQ(picture->grey.size(), cv::Size(80, 60));
+  EXPECT_EQ(picture->image.size(), cv::Size(80, 60));
 }
 
 TEST(DecodeJpeg, RefusesWhatIsDamaged) {
@@ -72,7 +87,7 @@ TEST(DecodeJpeg, SurvivesAnyByteBeingWrong) {
       bad[i] = change;
       const auto picture = DecodeJpeg(bad, "photo.jpg");
       if (picture) {
-        EXPECT_FALSE(picture->grey.empty());
+        EXPECT_FALSE(picture->image.empty());
       }
     }
 }

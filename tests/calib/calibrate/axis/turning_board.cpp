@@ -7,6 +7,7 @@
 #include "base/angles.h"
 #include "base/random.h"
 #include "calib/calibrate/axis/board_pose.h"
+#include "calib/calibrate/board/number_lattice.h"
 
 namespace turnlight::calib::calibrate::axis {
 

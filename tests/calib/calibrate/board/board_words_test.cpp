@@ -39,5 +39,27 @@ TEST(ParseBoard, RefusesInTheOptionsWords) {
   EXPECT_THAT(text({"9x6", 25.0, 10.0, "4X4_50", "tag36h11"}), HasSubstr("not both"));
 }
 
+TEST(ReadBoard, TakesTheMembersNames) {
+  const auto read = [](const std::string& text) {
+    const auto document = ParseYaml(text, "b.yaml");
+    return ReadBoard(StrictObject(*document));
+  };
+  const auto plain = read("{columns: 9, rows: 6, spacing: 25}");
+  ASSERT_TRUE(plain) << plain.error().text;
+  EXPECT_EQ(BoardText(*plain), "a chessboard of 9 x 6 inner corners 25 mm apart");
+  const auto charuco =
+      read("{kind: charuco, columns: 8, rows: 5, spacing: 22, marker: 16, dictionary: 4X4_50}");
+  ASSERT_TRUE(charuco) << charuco.error().text;
+  EXPECT_EQ(charuco->marker, 16.0);
+  EXPECT_THAT(read("{columns: 9, rows: 6}").error().text, HasSubstr("spacing"));
+  EXPECT_THAT(read("{columns: 9, rows: 6, spacing: 25, marker: 3}").error().text,
+              HasSubstr("marker"));
+  EXPECT_THAT(read("{kind: charuco, columns: 8, rows: 5, spacing: 22, marker: 23, "
+                   "dictionary: 4X4_50}")
+                  .error()
+                  .text,
+              HasSubstr("b.yaml"));
+}
+
 }  // namespace
 }  // namespace turnlight::calib::calibrate::board
