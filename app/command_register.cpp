@@ -8,6 +8,7 @@
 #include "app/calibrate/board_options.h"
 #include "app/calibrate/camera_option.h"
 #include "app/calibrate/picture_files.h"
+#include "app/calibrate/target_option.h"
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
@@ -40,9 +41,9 @@ struct RegisterArguments {
   std::string camera, corners, out, name = "registered";
   board::BoardWords board;
   double step_deg = 10.0, turn_deg = 0.0;
-  std::vector<double> plane, at{0.0, 0.0, 0.0};
-  double sphere = 0.0;
-  std::string mesh, encoding;  // encoding: empty: that of the pictures' format
+  TargetWords target;
+  std::vector<double> at{0.0, 0.0, 0.0};
+  std::string encoding;  // encoding: empty: that of the pictures' format
   double black = 0.0;
   std::optional<double> white;
 };
@@ -126,17 +127,6 @@ Result<calib::Radiometry> RadiometryOf(const RegisterArguments& arguments, int d
   return radiometry;
 }
 
-Result<std::variant<calib::SphereShape, calib::PlaneShape, fs::path>> TargetOf(
-    const RegisterArguments& arguments) {
-  using Target = std::variant<calib::SphereShape, calib::PlaneShape, fs::path>;
-  const int given = !arguments.plane.empty() + (arguments.sphere > 0.0) + !arguments.mesh.empty();
-  if (given != 1)
-    return InputError(Format("%d targets, allowed is one of --sphere, --plane and --mesh", given));
-  if (arguments.sphere > 0.0) return Target(calib::SphereShape{arguments.sphere});
-  if (!arguments.mesh.empty()) return Target(fs::path(arguments.mesh));
-  return Target(calib::PlaneShape{arguments.plane[0], arguments.plane[1], 1});
-}
-
 double ShiftSigma(const handheld::PlanePose& pose) {
   return std::sqrt(pose.covariance.bottomRightCorner<3, 3>().trace());
 }
@@ -194,7 +184,7 @@ Result<Seen> See(const RegisterArguments& arguments, HandheldSession& session) {
   if (arguments.corners.empty()) {
     if (arguments.pictures.empty())
       return InputError("no pictures, allowed are one or more with --board, or --corners FILE");
-    auto target = TargetOf(arguments);
+    auto target = NamedTarget(arguments.target);
     if (!target) return Forward(target);
     session.target = std::move(*target);
     session.X_WT = calib::Turn(Eigen::Vector3d::UnitZ(), DegToRad(arguments.turn_deg));
@@ -246,16 +236,7 @@ Status RegisterAndWrite(const RegisterArguments& arguments) {
 }
 
 void AddTargetOptions(CLI::App& command, RegisterArguments& arguments) {
-  command.add_option("--plane", arguments.plane, "The target: a rectangle, width and height")
-      ->type_name("W,H")
-      ->delimiter(',')
-      ->expected(2)
-      ->check(CLI::PositiveNumber);
-  command.add_option("--sphere", arguments.sphere, "The target: a ball of this radius")
-      ->type_name("MM")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--mesh", arguments.mesh, "The target: a mesh in mm, PLY or OBJ")
-      ->type_name("FILE");
+  AddTargetShapeOptions(command, arguments.target);
   command
       .add_option("--at", arguments.at,
                   "Where the target's origin is in W, in mm (default 0,0,0): W's origin is the "

@@ -163,12 +163,12 @@ Result<ViewsFit> FitViews(const std::array<int, 2>& image_size, const board::Boa
     result.pass = fit->pass;
     if (bad.empty() || round == kMaxRounds || result.used.size() < bad.size() + kLeastViews)
       return result;
-    for (auto it = bad.rbegin(); it != bad.rend(); ++it) {
+    for (const std::size_t view : bad | std::views::reverse) {
       result.dropped.push_back(
-          {result.used[*it],
+          {result.used[view],
            Format("does not fit: its points lie %.3g px off, the median view's %.3g px",
-                  misfits[*it].px, median)});
-      result.used.erase(result.used.begin() + static_cast<std::ptrdiff_t>(*it));
+                  misfits[view].px, median)});
+      result.used.erase(result.used.begin() + static_cast<std::ptrdiff_t>(view));
     }
   }
 }

@@ -233,7 +233,8 @@ std::vector<State> StartPicked(const rig::RigCalibration& calibration,
   std::stable_sort(refined.begin(), refined.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<State> distinct;
-  for (const auto& [cost, state] : refined) {
+  for (const auto& one : refined) {
+    const State& state = one.second;
     const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const State& other) {
       return AngleBetween(other.X_AT.rotation, state.X_AT.rotation) < kSamePlace;
     });
