@@ -92,7 +92,7 @@ void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
   ++done_;
   frame_text_ = BracketText(bracket, done_, total_);
   const double seconds = stopwatch_.Seconds();
-  if (done_ < total_) {
+  if (done_ < total_ && !bracket.placed) {  // how long a person takes, nobody knows
     const double left =
         seconds / static_cast<double>(done_ - before_) * static_cast<double>(total_ - done_);
     frame_text_ += ", " + TimeLeft(left);

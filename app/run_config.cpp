@@ -92,6 +92,7 @@ Status ReadWorld(const std::optional<StrictObject>& simulation, RunConfig& confi
 }  // namespace
 
 rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
+  if (plan.by_hand) return {0.0, 0.0, 1};
   const double sign = plan.direction == rig::TurnDirection::kCcw ? 1.0 : -1.0;
   return {plan.start_deg, sign * plan.step_deg, static_cast<int>(plan.count)};
 }

