@@ -20,6 +20,7 @@
 #include "calib/calibrate/axis/board_pose.h"
 #include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/board/detect_boards.h"
+#include "calib/calibrate/board/shown_board.h"
 #include "calib/calibrate/handheld/corners_file.h"
 #include "calib/calibrate/handheld/registration.h"
 #include "calib/rig_geometry.h"
@@ -93,6 +94,10 @@ Result<Seen> SeeBoards(const RegisterArguments& arguments, const calib::CameraMo
   const auto found = board::DetectInPictures(
       seen.files.size(), [&](std::size_t i) { return ReadGrey(seen.files[i], camera); }, *plate,
       [&progress](std::size_t) { progress.Step(); });
+  std::vector<std::string> names;
+  for (const fs::path& file : seen.files) names.push_back(file.string());
+  if (const Status status = board::CheckShownBoard(names, found, *plate); !status)
+    return Forward(status);
   const std::vector<Eigen::Vector3d> places = BoardPoints(*plate);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& place : places) middle += place / static_cast<double>(places.size());

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -37,6 +38,12 @@ struct Board {
 
 // p_B of all points, by their number. z = 0.
 std::vector<Eigen::Vector3d> BoardPoints(const Board& board);
+
+// Inner corners of a chessboard, the larger number first.
+struct GridSize {
+  int columns = 0, rows = 0;
+  auto operator<=>(const GridSize&) const = default;
+};
 
 struct SeenPoint {
   std::size_t point = 0;                            // of the board
