@@ -12,7 +12,9 @@ namespace turnlight::calib::calibrate::board {
 namespace {
 
 constexpr double kEndAt = 0.12;          // of a square, around where the last one must end
+constexpr double kEndAtExactly = 0.06;   // likewise, where squares of both colours end
 constexpr double kMostSquares = 0.65;    // of one colour end there,
+constexpr double kFewSquares = 0.34;     // and of the other colour no more, or exactly there
 constexpr double kLikeOneAnother = 0.3;  // of the contrast, between what is beyond either colour
 
 // Where the level along a line outwards from the middle of the last square first passes half way
@@ -42,7 +44,8 @@ bool EndsAtRight(const cv::Mat& picture, const CornerLattice& lattice) {
   const auto homography = FitHomography(places, pixels);
   if (!homography) return false;
   const int last = lattice.columns - 1;
-  std::array<double, 2> squares{}, ends{}, inside{}, beyond{};  // of bright ones, of dark ones
+  std::array<double, 2> squares{}, ends{}, exact{}, inside{},
+      beyond{};  // of bright ones, of dark ones
   for (int row = 0; row + 1 < lattice.rows; ++row) {
     if (!lattice.Has(last, row) || !lattice.Has(last, row + 1)) continue;
     const Eigen::Vector2d inner(last, row + 0.5);
@@ -55,14 +58,19 @@ bool EndsAtRight(const cv::Mat& picture, const CornerLattice& lattice) {
     const std::size_t colour = level(0.5) < level(-0.5);
     ++squares[colour];
     ends[colour] += std::abs(end - 1.0) <= kEndAt;
+    exact[colour] += std::abs(end - 1.0) <= kEndAtExactly;
     inside[colour] += level(0.5);
     beyond[colour] += level(1.4);
   }
   if (squares[0] < 2 || squares[1] < 2) return false;
   const double contrast = inside[0] / squares[0] - inside[1] / squares[1];
   const double difference = beyond[0] / squares[0] - beyond[1] / squares[1];
-  return std::max(ends[0] / squares[0], ends[1] / squares[1]) >= kMostSquares &&
-         std::abs(difference) <= kLikeOneAnother * contrast;
+  if (std::abs(difference) > kLikeOneAnother * contrast) return false;
+  const double few = std::min(ends[0] / squares[0], ends[1] / squares[1]);
+  const double most = std::max(ends[0] / squares[0], ends[1] / squares[1]);
+  // Where squares of both colours end, it may be the edge of something in front of them.
+  return (most >= kMostSquares && few <= kFewSquares) ||
+         std::max(exact[0] / squares[0], exact[1] / squares[1]) >= kMostSquares;
 }
 
 // At which of the board's columns a lattice of fewer begins; -1 where it cannot be told, -2 where

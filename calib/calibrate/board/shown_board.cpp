@@ -8,8 +8,8 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr std::size_t kHardlyAny = 4;   // pictures of another board for each of this one
-constexpr std::size_t kManyParts = 5;   // pictures that show the same part and no more
+constexpr std::size_t kHardlyAny = 4;  // pictures of another board for each of this one
+constexpr std::size_t kManyParts = 5;  // pictures that show the same part and no more
 
 // By how many columns and rows a view's points are apart.
 GridSize ExtentOf(const BoardView& view, const Board& board) {
@@ -60,10 +60,9 @@ Status CheckShownBoard(const std::vector<std::string>& names,
                        const std::vector<Result<Detection>>& found, const Board& board) {
   if (board.kind != BoardKind::kChessboard) return {};
   const Shown shown = ShownIn(found, board);
-  const auto other =
-      std::max_element(shown.others.begin(), shown.others.end(), [](const auto& a, const auto& b) {
-        return a.second.size() < b.second.size();
-      });
+  const auto other = std::max_element(
+      shown.others.begin(), shown.others.end(),
+      [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
   if (other != shown.others.end() && kHardlyAny * shown.whole < other->second.size()) {
     const auto& [size, pictures] = *other;
     return InputError(

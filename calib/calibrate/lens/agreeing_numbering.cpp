@@ -9,8 +9,8 @@
 namespace turnlight::calib::calibrate::lens {
 namespace {
 
-constexpr double kPrior = 0.01;    // of the shape's information: a shape's square over the noise's
-constexpr double kWorthIt = 0.8;   // of the residuals' size, that one shape must at most leave
+constexpr double kPrior = 0.01;   // of the shape's information: a shape's square over the noise's
+constexpr double kWorthIt = 0.8;  // of the residuals' size, that one shape must at most leave
 constexpr std::size_t kSolveOften = 10;  // views; beyond, one view more changes little
 constexpr int kMaxSweeps = 10;
 
@@ -96,7 +96,8 @@ class ShapeSum {
     Eigen::MatrixXd of_pose = Eigen::MatrixXd::Zero(information_.rows(), view.pose.cols());
     const Eigen::VectorXd left = view.Left(view.residuals);
     for (std::size_t i = 0; i < view.by_offset.size(); ++i) {
-      const Eigen::Matrix<double, 3, 2> back = (view.by_offset[i] * way.turn.transpose()).transpose();
+      const Eigen::Matrix<double, 3, 2> back =
+          (view.by_offset[i] * way.turn.transpose()).transpose();
       const Eigen::Index at = 3 * way.to[i], row = 2 * static_cast<Eigen::Index>(i);
       information_.block<3, 3>(at, at) += back * back.transpose();
       gradient_.segment<3>(at) += back * left.segment<2>(row);
