@@ -21,6 +21,7 @@
 #include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/board/detect_boards.h"
 #include "calib/calibrate/handheld/board_plane.h"
+#include "calib/calibrate/board/shown_board.h"
 #include "calib/calibrate/handheld/corners_file.h"
 #include "calib/calibrate/handheld/registration.h"
 #include "calib/rig_geometry.h"
@@ -81,6 +82,10 @@ Result<Seen> SeeBoards(const RegisterArguments& arguments, const calib::CameraMo
       seen.files.size(), [&](std::size_t i) { return ReadGrey(seen.files[i], camera); }, *plate,
       [&progress](std::size_t) { progress.Step(); });
   const handheld::BoardPlane plane = handheld::PlaneOf(*plate);
+  std::vector<std::string> names;
+  for (const fs::path& file : seen.files) names.push_back(file.string());
+  if (const Status status = board::CheckShownBoard(names, found, *plate); !status)
+    return Forward(status);
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i]) return Forward(found[i]);
     seen.views.push_back(handheld::ViewOf(seen.files[i].string(), *found[i], plane));

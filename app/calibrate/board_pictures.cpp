@@ -8,6 +8,7 @@
 #include "app/calibrate/picture_files.h"
 #include "app/progress.h"
 #include "calib/calibrate/board/detect_boards.h"
+#include "calib/calibrate/board/shown_board.h"
 #include "rig/session/raw_capture.h"
 
 namespace turnlight::app {
@@ -85,6 +86,10 @@ Result<BoardPictures> FindBoardsInPictures(const std::vector<std::string>& argum
         },
         board, [&progress](std::size_t) { progress.Step(); });
   }
+  std::vector<std::string> names;
+  for (const Source& source : *sources) names.push_back(source.name);
+  if (const Status status = boards::CheckShownBoard(names, found, board); !status)
+    return Forward(status);
   const CommonSize common = FindCommonSize(sizes);
   BoardPictures result;
   for (std::size_t i = 0; i < count; ++i) {
@@ -97,9 +102,7 @@ Result<BoardPictures> FindBoardsInPictures(const std::vector<std::string>& argum
       }
       const bool none = found[i]->boards.empty();
       if (none)
-        views.why_none =
-            "no board found" +
-            (found[i]->remarks.empty() ? std::string() : ": " + Joined(found[i]->remarks));
+        views.why_none = Joined(found[i]->remarks);
       else
         remarks[i].insert(remarks[i].end(), found[i]->remarks.begin(), found[i]->remarks.end());
     } else {

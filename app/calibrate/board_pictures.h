@@ -17,7 +17,7 @@ struct BoardPictures {
 
 // arguments: files, folders, or raw captures (their frames of kind "board", or all if there are
 // none). Shows its progress. A picture that cannot be read shows nothing, and says why. Fails
-// (kInput): files that are not there, none at all.
+// (kInput): files that are not there, none at all, or that show another board.
 Result<BoardPictures> FindBoardsInPictures(const std::vector<std::string>& arguments,
                                            const calib::calibrate::board::Board& board);
 

@@ -18,6 +18,7 @@
 #include "calib/calibrate/axis/axis_report.h"
 #include "calib/calibrate/axis/calibrate_axis.h"
 #include "calib/calibrate/board/detect_boards.h"
+#include "calib/calibrate/board/shown_board.h"
 #include "rig/rig_calibration.h"
 #include "rig/session/image_file.h"
 
@@ -53,6 +54,11 @@ Result<std::vector<axis::AxisView>> DetectViews(const TurningPictures& pictures,
   Progress progress("finding the board", pictures.angles_deg.size());
   const auto found = board::DetectInPictures(pictures.angles_deg.size(), pictures.picture, board,
                                              [&progress](std::size_t) { progress.Step(); });
+  std::vector<std::string> names;
+  for (const double angle_deg : pictures.angles_deg)
+    names.push_back("at " + NumberText(angle_deg) + " deg");
+  if (const Status status = board::CheckShownBoard(names, found, board); !status)
+    return Forward(status);
   std::vector<axis::AxisView> views;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i]) return Forward(found[i]);

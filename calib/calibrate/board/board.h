@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -43,6 +44,12 @@ std::vector<Eigen::Vector3d> BoardPoints(const Board& board);
 // The board in a frame in the middle of its points, whose x is along its rows and whose z is out of
 // its printed side, towards who looks at it.
 Pose PoseInMiddle(const Board& board);
+
+// Inner corners of a chessboard, the larger number first.
+struct GridSize {
+  int columns = 0, rows = 0;
+  auto operator<=>(const GridSize&) const = default;
+};
 
 struct SeenPoint {
   std::size_t point = 0;                            // of the board

@@ -40,8 +40,8 @@ Result<Detection> DetectBoards(const cv::Mat& picture, const Board& board) {
                             : DetectMarkerBoards(picture, levelled, board);
   for (DetectedBoard& found : detection.boards) Remark(found, board);
   if (detection.boards.empty()) {
-    const auto levels = RemarksOnLevels(picture);
-    detection.remarks.insert(detection.remarks.end(), levels.begin(), levels.end());
+    for (const std::string& level : RemarksOnLevels(picture))
+      detection.remarks.push_back("no board found: " + level);
     if (detection.remarks.empty()) detection.remarks.push_back("no board found");
   }
   return detection;

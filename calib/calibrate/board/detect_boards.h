@@ -30,6 +30,7 @@ struct DetectedBoard {
 struct Detection {
   std::vector<DetectedBoard> boards;  // most points first
   std::vector<std::string> remarks;   // why there is none, or what was left out, in words
+  std::vector<GridSize> others;       // chessboards of another size than the one asked for
 };
 
 // picture: grey, CV_8U or CV_16U, as the sensor gives it; of colour, the caller's mean or green.

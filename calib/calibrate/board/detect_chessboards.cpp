@@ -22,7 +22,8 @@ constexpr double kEven = 0.35;  // of a square's width, from its edge
 struct Candidate {
   CornerLattice lattice;  // as found, or numbered
   bool numbered = false;
-  std::string reason;  // why not
+  std::string reason;             // why not
+  std::optional<GridSize> other;  // it is a board of another size
 };
 
 // Without the sparsest outer line, if it has less than half as many corners as the one next to it.
@@ -55,13 +56,14 @@ Candidate Judge(const cv::Mat& levelled, CornerLattice lattice, const Board& boa
   lattice = Trimmed(lattice);
   if (lattice.columns >= 2 && lattice.rows >= 2) DropOutliers(lattice);
   lattice = Trimmed(lattice);
-  Candidate candidate{lattice, false, ""};
+  Candidate candidate{lattice, false, "", std::nullopt};
   if (lattice.columns < 2 || lattice.rows < 2 || lattice.Count() < 4) return candidate;
   auto numbered = NumberLattice(levelled, lattice, board);
-  while (!numbered && TooLarge(lattice, board) && PeelSparseLine(lattice))
+  while (!numbered.lattice && TooLarge(lattice, board) && PeelSparseLine(lattice))
     numbered = NumberLattice(levelled, lattice, board);
-  if (numbered) return {*numbered, true, ""};
-  candidate.reason = numbered.error().text;
+  if (numbered.lattice) return {*numbered.lattice, true, "", std::nullopt};
+  candidate.reason = numbered.why_not;
+  candidate.other = numbered.other;
   return candidate;
 }
 
@@ -131,6 +133,17 @@ std::vector<Candidate> BestApart(const std::vector<Candidate>& all) {
   return best;
 }
 
+// A part of the board of another size that the picture shows may look like a part of this one.
+bool MayBePartOf(const CornerLattice& lattice, const std::vector<GridSize>& others) {
+  if (lattice.Count() == 0) return false;
+  const CornerLattice part = Trimmed(lattice);
+  const int longer = std::max(part.columns, part.rows), shorter = std::min(part.columns, part.rows);
+  const bool whole = part.columns == lattice.columns && part.rows == lattice.rows;
+  return !whole && std::any_of(others.begin(), others.end(), [&](const GridSize& other) {
+    return longer <= other.columns && shorter <= other.rows;
+  });
+}
+
 DetectedBoard BoardFrom(const cv::Mat& picture, const cv::Mat& levelled,
                         const CornerLattice& lattice) {
   DetectedBoard found;
@@ -151,7 +164,10 @@ Detection DetectChessboards(const cv::Mat& picture, const cv::Mat& levelled, con
   const auto whole = [&](const Candidate& candidate) {
     return candidate.numbered && candidate.lattice.Count() == board.PointCount();
   };
-  if (std::none_of(candidates.begin(), candidates.end(), whole)) {
+  const auto other = [](const Candidate& candidate) { return candidate.other.has_value(); };
+  // The whole boards' detectors are slow, and a board of another size is no board of this one.
+  if (std::none_of(candidates.begin(), candidates.end(), whole) &&
+      std::none_of(candidates.begin(), candidates.end(), other)) {
     cv::Mat bytes;
     levelled.convertTo(bytes, CV_8U);
     if (auto lattice = FindWholeBoard(bytes, board.columns, board.rows))
@@ -159,8 +175,11 @@ Detection DetectChessboards(const cv::Mat& picture, const cv::Mat& levelled, con
   }
   Detection detection;
   std::vector<std::string> left_out;
-  for (const Candidate& candidate : BestApart(candidates)) {
-    if (candidate.numbered)
+  const std::vector<Candidate> best = BestApart(candidates);
+  for (const Candidate& candidate : best)
+    if (candidate.other) detection.others.push_back(*candidate.other);
+  for (const Candidate& candidate : best) {
+    if (candidate.numbered && !MayBePartOf(candidate.lattice, detection.others))
       detection.boards.push_back(BoardFrom(picture, levelled, candidate.lattice));
     else if (!candidate.reason.empty())
       left_out.push_back(candidate.reason);

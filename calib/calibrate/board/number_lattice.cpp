@@ -11,9 +11,11 @@
 namespace turnlight::calib::calibrate::board {
 namespace {
 
-constexpr double kEndAt = 0.08;        // of a square, around where the last one must end
-constexpr double kMostSquares = 0.75;  // of one colour end there,
-constexpr double kFewSquares = 0.25;   // and of the other colour no more
+constexpr double kEndAt = 0.12;          // of a square, around where the last one must end
+constexpr double kEndAtExactly = 0.06;   // likewise, where squares of both colours end
+constexpr double kMostSquares = 0.65;    // of one colour end there,
+constexpr double kFewSquares = 0.34;     // and of the other colour no more, or exactly there
+constexpr double kLikeOneAnother = 0.3;  // of the contrast, between what is beyond either colour
 
 // Where the level along a line outwards from the middle of the last square first passes half way
 // between dark and bright; in squares from its inner edge, 2 where it does not.
@@ -28,7 +30,8 @@ double EndOfSquare(const cv::Mat& picture, const Eigen::Matrix3d& homography,
 }
 
 // Does the print end one square beyond the right side of the lattice? So it does where the squares
-// of one colour end there and those of the other go over into what is around.
+// of one colour end there, and what follows them is like what follows those of the other: paper or
+// whatever is behind, not further squares that take turns.
 bool EndsAtRight(const cv::Mat& picture, const CornerLattice& lattice) {
   std::vector<Eigen::Vector2d> places, pixels;
   const int nearest = std::max(0, lattice.columns - 4);
@@ -41,23 +44,33 @@ bool EndsAtRight(const cv::Mat& picture, const CornerLattice& lattice) {
   const auto homography = FitHomography(places, pixels);
   if (!homography) return false;
   const int last = lattice.columns - 1;
-  std::array<int, 2> squares{}, ends{};
+  std::array<double, 2> squares{}, ends{}, exact{}, inside{},
+      beyond{};  // of bright ones, of dark ones
   for (int row = 0; row + 1 < lattice.rows; ++row) {
     if (!lattice.Has(last, row) || !lattice.Has(last, row + 1)) continue;
     const Eigen::Vector2d inner(last, row + 0.5);
     const Eigen::Vector2d outwards(1.0, 0.0);
-    const double own = LevelAt(picture, Map(*homography, inner + 0.5 * outwards));
-    const double other = LevelAt(picture, Map(*homography, inner - 0.5 * outwards));
-    const double end = EndOfSquare(picture, *homography, inner, outwards, (own + other) / 2.0);
-    const std::size_t colour = own < other;
+    const auto level = [&](double t) {
+      return LevelAt(picture, Map(*homography, inner + t * outwards));
+    };
+    const double end =
+        EndOfSquare(picture, *homography, inner, outwards, (level(0.5) + level(-0.5)) / 2.0);
+    const std::size_t colour = level(0.5) < level(-0.5);
     ++squares[colour];
     ends[colour] += std::abs(end - 1.0) <= kEndAt;
+    exact[colour] += std::abs(end - 1.0) <= kEndAtExactly;
+    inside[colour] += level(0.5);
+    beyond[colour] += level(1.4);
   }
   if (squares[0] < 2 || squares[1] < 2) return false;
-  const double bright = static_cast<double>(ends[0]) / squares[0];
-  const double dark = static_cast<double>(ends[1]) / squares[1];
-  return (bright >= kMostSquares && dark <= kFewSquares) ||
-         (dark >= kMostSquares && bright <= kFewSquares);
+  const double contrast = inside[0] / squares[0] - inside[1] / squares[1];
+  const double difference = beyond[0] / squares[0] - beyond[1] / squares[1];
+  if (std::abs(difference) > kLikeOneAnother * contrast) return false;
+  const double few = std::min(ends[0] / squares[0], ends[1] / squares[1]);
+  const double most = std::max(ends[0] / squares[0], ends[1] / squares[1]);
+  // Where squares of both colours end, it may be the edge of something in front of them.
+  return (most >= kMostSquares && few <= kFewSquares) ||
+         std::max(exact[0] / squares[0], exact[1] / squares[1]) >= kMostSquares;
 }
 
 // At which of the board's columns a lattice of fewer begins; -1 where it cannot be told, -2 where
@@ -73,10 +86,13 @@ int FirstColumn(const cv::Mat& picture, const CornerLattice& lattice, int column
   return left ? 0 : kNoEnd;
 }
 
-std::string OtherSize(const CornerLattice& lattice, const Board& board) {
-  return Format("the picture shows %d x %d inner corners, the board is said to have %d x %d",
-                std::max(lattice.columns, lattice.rows), std::min(lattice.columns, lattice.rows),
-                board.columns, board.rows);
+Numbering OtherSize(const CornerLattice& lattice, const Board& board) {
+  const GridSize size{std::max(lattice.columns, lattice.rows),
+                      std::min(lattice.columns, lattice.rows)};
+  return {std::nullopt,
+          Format("the picture shows %d x %d inner corners, the board is said to have %d x %d",
+                 size.columns, size.rows, board.columns, board.rows),
+          size};
 }
 
 // The lattice within all of the board's points.
@@ -108,27 +124,28 @@ std::pair<bool, double> Preference(const CornerLattice& lattice) {
 
 }  // namespace
 
-Result<CornerLattice> NumberLattice(const cv::Mat& picture, const CornerLattice& lattice,
-                                    const Board& board) {
+Numbering NumberLattice(const cv::Mat& picture, const CornerLattice& lattice, const Board& board) {
   std::vector<CornerLattice> ways;
   bool may_be_part = false;
   for (int turn = 0; turn < 4; ++turn) {
     const CornerLattice turned = Turned(lattice, turn);
     if (turned.columns > board.columns || turned.rows > board.rows) continue;
     const int column = FirstColumn(picture, turned, board.columns);
-    const int row = FirstColumn(picture, Turned(turned, 3), board.rows);
+    const int row = FirstColumn(picture, Turned(turned, 1), board.rows);
     may_be_part = may_be_part || (column != kTwoEnds && row != kTwoEnds);
     if (column >= 0 && row >= 0) ways.push_back(Placed(turned, board, column, row));
   }
-  if (ways.empty() && !may_be_part) return InputError(OtherSize(lattice, board));
+  if (ways.empty() && !may_be_part) return OtherSize(lattice, board);
   if (ways.empty())
-    return InputError(
-        Format("a part of a board, %d x %d inner corners, was left out: which of its "
-               "%d x %d they are cannot be told, as none of its ends shows",
-               lattice.columns, lattice.rows, board.columns, board.rows));
-  return *std::min_element(ways.begin(), ways.end(), [](const auto& a, const auto& b) {
-    return Preference(a) < Preference(b);
-  });
+    return {std::nullopt,
+            Format("a part of a board, %d x %d inner corners, was left out: which of its "
+                   "%d x %d they are cannot be told, as none of its ends shows",
+                   lattice.columns, lattice.rows, board.columns, board.rows),
+            std::nullopt};
+  const CornerLattice& best =
+      *std::min_element(ways.begin(), ways.end(),
+                        [](const auto& a, const auto& b) { return Preference(a) < Preference(b); });
+  return {best, "", std::nullopt};
 }
 
 std::vector<std::vector<std::size_t>> SameLookingNumberings(const Board& board) {

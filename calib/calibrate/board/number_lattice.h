@@ -2,10 +2,10 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "base/result.h"
 #include "calib/calibrate/board/board.h"
 #include "calib/calibrate/board/corner_lattice.h"
 #include "calib/pose.h"
@@ -16,9 +16,13 @@ namespace turnlight::calib::calibrate::board {
 // row * columns + column of the board: the square before point 0 is dark if there is a turn for
 // which it is; of several such turns, that with point 0 furthest to the top left of the picture.
 // Where rows or columns are missing, the lattice must reach an end of the print that shows in the
-// picture (CV_32F). Fails with a reason in words: another size of grid, or no end in sight.
-Result<CornerLattice> NumberLattice(const cv::Mat& picture, const CornerLattice& lattice,
-                                    const Board& board);
+// picture (CV_32F).
+struct Numbering {
+  std::optional<CornerLattice> lattice;
+  std::string why_not;            // in words: another size of grid, or no end in sight
+  std::optional<GridSize> other;  // the lattice's size, if the board's is another
+};
+Numbering NumberLattice(const cv::Mat& picture, const CornerLattice& lattice, const Board& board);
 
 // Every way to number a chessboard's points that looks the same, the identity first: way[i] is the
 // point that is where point i was, after a turn that the colours of its squares allow. Four for 10

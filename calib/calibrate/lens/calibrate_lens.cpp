@@ -9,6 +9,8 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "base/statistics.h"
+#include "calib/calibrate/board/number_lattice.h"
+#include "calib/calibrate/lens/agreeing_numbering.h"
 #include "calib/calibrate/lens/board_shape.h"
 #include "calib/calibrate/lens/covariance.h"
 #include "calib/calibrate/lens/fit_views.h"
@@ -77,12 +79,11 @@ bool OnALine(const std::vector<Eigen::Vector3d>& p_B, const board::BoardView& vi
   return sizes[1] < 1e-6 * sizes[0];
 }
 
-// A mirrored chessboard is a chessboard: its points are numbered the other way round.
-board::BoardView Renumbered(const board::Board& board, const board::BoardView& view) {
+// Point i becomes to(i).
+template <typename To>
+board::BoardView Renumbered(const board::BoardView& view, const To& to) {
   board::BoardView result = view;
-  const auto columns = static_cast<std::size_t>(board.columns);
-  for (board::SeenPoint& seen : result.points)
-    seen.point = seen.point / columns * columns + (columns - 1 - seen.point % columns);
+  for (board::SeenPoint& seen : result.points) seen.point = to(seen.point);
   std::sort(result.points.begin(), result.points.end(),
             [](const auto& a, const auto& b) { return a.point < b.point; });
   return result;
@@ -113,7 +114,11 @@ Chosen ChooseViews(const board::Board& board, const std::vector<PictureViews>& p
           drop("the board is mirrored: it was printed mirrored, or the picture is flipped");
           continue;
         }
-        view = Renumbered(board, view);
+        // It is a chessboard whose points are numbered the other way round.
+        const auto columns = static_cast<std::size_t>(board.columns);
+        view = Renumbered(view, [columns](std::size_t point) {
+          return point / columns * columns + (columns - 1 - point % columns);
+        });
       }
       chosen.views.push_back(std::move(view));
       chosen.picture.push_back(i);
@@ -214,9 +219,7 @@ double UncertaintyWherePointsAre(const LensCalibration& calibration) {
 
 // Fits the place of each of the board's points if the residuals ask for it: then they repeat from
 // view to view. Gives what they were before.
-std::optional<double> FitShapeIfNeeded(const LensOptions& options, ViewsFit& fit) {
-  const double before = NoiseOf(fit.problem, Linearize(fit.problem, fit.pass)).rms_px;
-  if (!options.fits_shape || before < kShapePx) return std::nullopt;
+std::optional<double> FitShapeIfBetter(double before, ViewsFit& fit) {
   Problem shaped = fit.problem;
   if (!FitShape(shaped, fit.pass)) return std::nullopt;
   const Linearization linear = Linearize(shaped, fit.pass);
@@ -227,6 +230,26 @@ std::optional<double> FitShapeIfNeeded(const LensOptions& options, ViewsFit& fit
   if (unbiased > kShapeGain * before) return std::nullopt;
   fit.problem = std::move(shaped);
   return before;
+}
+
+std::optional<double> FitShapeIfNeeded(const std::array<int, 2>& size, const board::Board& board,
+                                       const LensOptions& options, Chosen& chosen, ViewsFit& fit) {
+  const double before = NoiseOf(fit.problem, Linearize(fit.problem, fit.pass)).rms_px;
+  if (!options.fits_shape || before < kShapePx) return std::nullopt;
+  if (const auto agreeing = AgreeingNumberings(board, fit.problem, fit.pass)) {
+    const auto ways = board::SameLookingNumberings(board);
+    std::vector<board::BoardView> views = chosen.views;
+    for (std::size_t i = 0; i < fit.used.size(); ++i)
+      views[fit.used[i]] = Renumbered(
+          views[fit.used[i]], [&](std::size_t point) { return ways[(*agreeing)[i]][point]; });
+    auto turned = FitViews(size, board, views, options);
+    if (turned && FitShapeIfBetter(before, *turned)) {
+      chosen.views = std::move(views);
+      fit = std::move(*turned);
+      return before;
+    }
+  }
+  return FitShapeIfBetter(before, fit);
 }
 
 void AddShape(const Problem& problem, double rms_before, LensCalibration& result) {
@@ -298,10 +321,10 @@ Result<LensCalibration> CalibrateLens(const board::Board& board,
   if (const Status status = CheckSizes(pictures); !status) return Forward(status);
   Chosen chosen = ChooseViews(board, pictures);
   if (const Status status = CheckEnough(chosen, pictures, options); !status) return Forward(status);
-  auto fit =
-      FitViews({pictures.front().width, pictures.front().height}, board, chosen.views, options);
+  const std::array<int, 2> size{pictures.front().width, pictures.front().height};
+  auto fit = FitViews(size, board, chosen.views, options);
   if (!fit) return Forward(fit);
-  const auto rms_before_shape = FitShapeIfNeeded(options, *fit);
+  const auto rms_before_shape = FitShapeIfNeeded(size, board, options, chosen, *fit);
   auto camera = ToCameraModel(fit->problem, options.lens_model);
   if (!camera) return Forward(camera);
   if (options.progress) options.progress("uncertainty");

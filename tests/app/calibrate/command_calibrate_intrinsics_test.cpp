@@ -110,7 +110,7 @@ TEST(CalibrateIntrinsics, RefusesInWords) {
   line[4] = "5x4";
   const Outcome another = RunProgram(line);
   EXPECT_NE(another.exit_code, 0);
-  EXPECT_THAT(another.err, HasSubstr("the picture shows 8 x 6 inner corners"));
+  EXPECT_THAT(another.err, HasSubstr("show a board of 8 x 6 inner corners instead"));
   EXPECT_THAT(refusal(Line(folder / "missing.png", out / "lens")), HasSubstr("missing.png"));
   ASSERT_TRUE(rig::WriteImage(folder / "other.png", cv::Mat(300, 400, CV_8U, cv::Scalar(90))));
   EXPECT_THAT(refusal(Line(folder.path().string(), out / "lens")),

@@ -127,6 +127,18 @@ TEST(DetectBoards, AHalfHiddenChessboardIsNumberedFromTheEndThatShows) {
   EXPECT_LT(MisfitOf(detection.boards[0].view, placed, TestCamera()).worst, 0.2);
 }
 
+TEST(DetectBoards, RowsThatAreHiddenAreNumberedFromTheEndThatShowsToo) {
+  const auto placed = Place(Chessboard(9, 6), {15.0, 20.0, 3.0, 450.0});
+  for (const bool upper : {true, false}) {
+    cv::Mat picture = rig::sim::RenderBoards({placed}, TestCamera());
+    picture(cv::Rect(0, upper ? 0 : 310, 800, 290)).setTo(90);
+    const auto detection = Detected(picture, Chessboard(9, 6));
+    ASSERT_EQ(detection.boards.size(), 1u) << testing::PrintToString(detection.remarks);
+    EXPECT_LT(detection.boards[0].view.points.size(), 45u);
+    EXPECT_LT(MisfitOf(detection.boards[0].view, placed, TestCamera()).worst, 0.2);
+  }
+}
+
 TEST(DetectBoards, AChessboardWithoutAnEndInSightIsLeftOutAndTold) {
   const auto placed = Place(Chessboard(9, 6), {15.0, 20.0, 8.0, 450.0});
   cv::Mat picture = rig::sim::RenderBoards({placed}, TestCamera());

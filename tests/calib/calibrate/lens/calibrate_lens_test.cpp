@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "calib/calibrate/board/number_lattice.h"
 #include "calib/calibrate/lens/cross_validation.h"
 #include "calib/calibrate/lens/lens_model_name.h"
 #include "calib/calibrate/lens/projection_difference.h"
@@ -155,6 +156,20 @@ TEST(CalibrateLens, FitsTheShapeOfABoardThatIsNotFlat) {
   ASSERT_TRUE(biased) << biased.error().text;
   EXPECT_GT(biased->rms_px, 1.0);
   EXPECT_TRUE(biased->shape.empty());
+}
+
+TEST(CalibrateLens, FindsTheShapeThoughTheBoardIsNumberedFromAnySide) {
+  SimulatedViews how;
+  how.wave = 1.0;
+  auto pictures = SimulateViews(ExampleLens(), ExampleBoard(), how);
+  const auto ways = board::SameLookingNumberings(ExampleBoard());
+  ASSERT_EQ(ways.size(), 4u);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    for (board::SeenPoint& seen : pictures[i].boards[0].points)
+      seen.point = ways[i * 7 % 4][seen.point];
+  const auto calibration = Calibrated(ExampleBoard(), pictures);
+  EXPECT_NEAR(calibration.rms_px, 0.3, 0.03);
+  EXPECT_EQ(calibration.shape.size(), 100u);
 }
 
 TEST(CalibrateLens, AMirroredChessboardIsAChessboard) {
