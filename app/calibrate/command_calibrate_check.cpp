@@ -42,10 +42,11 @@ struct CheckArguments {
 Status CheckSize(const rig::RigCalibration& calibration, const TurningPictures& pictures) {
   const cv::Size known = calibration.devices.resolution;
   if (pictures.size != known)
-    return InputError(Format("%s: identity/camera/resolution: %d x %d, the pictures are %d x %d; "
-                             "allowed is a calibration of pictures like these",
-                             calibration.source.c_str(), known.width, known.height,
-                             pictures.size.width, pictures.size.height));
+    return InputError(
+        Format("%s: identity/camera/resolution: %d x %d, the pictures are %d x %d; "
+               "allowed is a calibration of pictures like these",
+               calibration.source.c_str(), known.width, known.height, pictures.size.width,
+               pictures.size.height));
   if (!pictures.devices) return {};
   return rig::CheckIdentity(calibration, pictures.devices->camera, pictures.devices->table);
 }
@@ -92,9 +93,12 @@ Result<drift::DriftReport> CheckOutlines(const CheckArguments& arguments,
 
 int ExitCodeOf(drift::Verdict verdict) {
   switch (verdict) {
-    case drift::Verdict::kStillTrue: return kDone;
-    case drift::Verdict::kDrifted: return kDifferent;
-    case drift::Verdict::kCannotTell: return kNoEstimate;
+    case drift::Verdict::kStillTrue:
+      return kDone;
+    case drift::Verdict::kDrifted:
+      return kDifferent;
+    case drift::Verdict::kCannotTell:
+      return kNoEstimate;
   }
   return kNoEstimate;
 }

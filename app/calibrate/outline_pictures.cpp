@@ -130,8 +130,7 @@ Result<OutlinePictures> FindOutlines(const rig::Session& session, const Pictures
 
 void AddBesideOptions(CLI::App& command, PicturesBeside& beside) {
   command
-      .add_option("--empty", beside.empty,
-                  "Picture of the empty table: one, or one for each frame")
+      .add_option("--empty", beside.empty, "Picture of the empty table: one, or one for each frame")
       ->type_name("IMAGE");
   command
       .add_option("--lamp-off", beside.lamp_off,

@@ -1,4 +1,5 @@
-// The target's outlines in a session's pictures: what `calibrate target` and `calibrate check` need.
+// The target's outlines in a session's pictures: what `calibrate target` and `calibrate check`
+// need.
 #pragma once
 
 #include <CLI/CLI.hpp>

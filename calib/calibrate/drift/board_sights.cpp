@@ -83,8 +83,7 @@ std::vector<SeenBoard> SeeBoards(const rig::RigCalibration& calibration, const b
     else if (points < kFewestPoints)
       why_not = "only " + std::to_string(points) + " points of the board were found";
     else
-      seen.push_back(
-          {i, axis::GuessBoardPoses(board, calibration.lens, views[i].board).X_CB});
+      seen.push_back({i, axis::GuessBoardPoses(board, calibration.lens, views[i].board).X_CB});
     if (why_not.empty() && seen.back().X_CB.empty()) {
       why_not = "no pose of the board fits its points";
       seen.pop_back();
@@ -131,11 +130,10 @@ Result<Sights> SightsOfBoard(const rig::RigCalibration& calibration, const board
   sights.object_free = true;
   const auto seen = SeeBoards(calibration, board, views, sights.left_out);
   if (seen.empty())
-    return InputError(
-        sights.left_out.empty()
-            ? "no views, allowed are at least two of the board, at different angles"
-            : "no view shows the board (" + sights.left_out.front() +
-                  "); allowed are at least two that do, at different angles");
+    return InputError(sights.left_out.empty()
+                          ? "no views, allowed are at least two of the board, at different angles"
+                          : "no view shows the board (" + sights.left_out.front() +
+                                "); allowed are at least two that do, at different angles");
   std::vector<Pose> X_AC;
   for (const SeenBoard& one : seen)
     X_AC.push_back(
@@ -158,9 +156,8 @@ Result<Sights> SightsOfBoard(const rig::RigCalibration& calibration, const board
     AddView(board, view, seen[i].view, turns[choice.turn], sights, *measured);
   }
   sights.residuals = [measured](const rig::RigCalibration& rig,
-                                const std::vector<placement::View>& at, double) {
-    return BoardResiduals(*measured, rig, at);
-  };
+                                const std::vector<placement::View>& at,
+                                double) { return BoardResiduals(*measured, rig, at); };
   return sights;
 }
 

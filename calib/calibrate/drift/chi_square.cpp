@@ -12,8 +12,8 @@ double ChiSquareTail(double value, int freedom) {
   const double half = 0.5 * value;
   const bool odd = freedom % 2 == 1;
   double tail = odd ? std::erfc(std::sqrt(half)) : std::exp(-half);
-  double term = odd ? 2.0 * std::sqrt(half * std::numbers::inv_pi) * std::exp(-half)
-                    : half * std::exp(-half);
+  double term =
+      odd ? 2.0 * std::sqrt(half * std::numbers::inv_pi) * std::exp(-half) : half * std::exp(-half);
   for (int n = odd ? 3 : 4; n <= freedom; n += 2) {
     tail += term;
     term *= value / n;

@@ -56,9 +56,8 @@ Finding FindingOf(const HypothesisFit& fit, const HypothesisFit& nothing, const 
   const double left = std::max(0.0, fit.misfit - all.misfit);
   finding.left_chance =
       ChiSquareTail(left, std::max(1, WholeFreedom(all.freedom) - finding.freedom));
-  finding.explains =
-      finding.left_chance >= kLeftChance ||
-      left < kLeftShare * std::max(0.0, nothing.misfit - all.misfit);
+  finding.explains = finding.left_chance >= kLeftChance ||
+                     left < kLeftShare * std::max(0.0, nothing.misfit - all.misfit);
   finding.quantities = QuantitiesOf(fit, stored);
   return finding;
 }
@@ -108,17 +107,32 @@ const Quantity* Find(const Finding& finding, const std::string& key) {
   return nullptr;
 }
 
+// A view most of whose points are outliers.
+std::string LostView(const Trial& trial, const HypothesisFit& all) {
+  std::vector<double> balance(trial.sights.views.size(), 0.0);
+  for (std::size_t i = 0; i < all.residuals.size(); ++i)
+    balance[all.residuals[i].view] += trial.sifted.used[i] ? 1.0 : -1.0;
+  for (std::size_t v = 0; v < balance.size(); ++v)
+    if (balance[v] < 0.0) return trial.sights.views[v].label;
+  return "";
+}
+
 // Why the pictures cannot tell, if they cannot.
-std::string WhyNot(const Trial& trial, const DriftReport& report) {
+std::string WhyNot(const Trial& trial, const HypothesisFit& all, const DriftReport& report) {
   double used = 0.0;
   for (const bool one : trial.sifted.used) used += one ? 1.0 : 0.0;
   const std::string what = trial.sights.object_free ? "board" : "target";
   const double share = used / static_cast<double>(trial.sifted.used.size());
   if (report.noise > kWorstNoise || share < kFewestUsed)
-    return Format("no change of camera, lens or angles makes the pictures fit: %.0f %% of the "
-                  "points are used, they are %.2g px off (allowed are at least %.0f %% and at most "
-                  "%.0f px). Is it this %s, did it move between the pictures, are the angles theirs?",
-                  100.0 * share, report.noise, 100.0 * kFewestUsed, kWorstNoise, what.c_str());
+    return Format(
+        "no change of camera, lens or angles makes the pictures fit: %.0f %% of the "
+        "points are used, they are %.2g px off (allowed are at least %.0f %% and at most "
+        "%.0f px). Is it this %s, did it move between the pictures, are the angles theirs?",
+        100.0 * share, report.noise, 100.0 * kFewestUsed, kWorstNoise, what.c_str());
+  const std::string lost = LostView(trial, all);
+  if (!lost.empty())
+    return lost + ": most of its points do not fit the other pictures, whatever changed. Did the " +
+           what + " move between the pictures, is the angle its own?";
   for (const Finding& finding : report.alone) {
     if (finding.causes.front() != Cause::kCamera) continue;
     const Quantity* direction = Find(finding, "axis_direction_deg");
@@ -126,11 +140,12 @@ std::string WhyNot(const Trial& trial, const DriftReport& report) {
     const double worst = kWorstPlace * CameraDistance(trial.stored);
     if (direction && place && direction->sigma <= kWorstDirectionDeg && place->sigma <= worst)
       return "";
-    return Format("the pictures tell too little of the camera: sigma of the axis's direction is "
-                  "%.2g deg (allowed is %.2g), of its place %.2g %s (%.2g); take more pictures, at "
-                  "angles farther apart, of a larger %s",
-                  direction ? direction->sigma : INFINITY, kWorstDirectionDeg,
-                  place ? place->sigma : INFINITY, report.length_unit.c_str(), worst, what.c_str());
+    return Format(
+        "the pictures tell too little of the camera: sigma of the axis's direction is "
+        "%.2g deg (allowed is %.2g), of its place %.2g %s (%.2g); take more pictures, at "
+        "angles farther apart, of a larger %s",
+        direction ? direction->sigma : INFINITY, kWorstDirectionDeg,
+        place ? place->sigma : INFINITY, report.length_unit.c_str(), worst, what.c_str());
   }
   return "";
 }
@@ -218,7 +233,7 @@ DriftReport Check(Trial trial) {
   report.noise = NoiseOf(trial, all);
   double least = report.everything.chance;
   for (const Finding& finding : report.alone) least = std::min(least, finding.chance);
-  report.why = WhyNot(trial, report);
+  report.why = WhyNot(trial, all, report);
   if (report.why.empty()) {
     const double tests = static_cast<double>(report.alone.size() + 1);
     report.verdict = least * tests < kFalseAlarms ? Verdict::kDrifted : Verdict::kStillTrue;
@@ -255,8 +270,9 @@ Result<DriftReport> CheckWithBoard(const rig::RigCalibration& calibration,
     report.left_out = sights->left_out;
     for (const placement::View& view : sights->views) report.views.push_back(view.label);
     report.length_unit = calibration.length_unit;
-    report.why = "the board is seen at one angle of the table only, and may lie anywhere; allowed "
-                 "are at least two angles, some 60 degrees apart";
+    report.why =
+        "the board is seen at one angle of the table only, and may lie anywhere; allowed "
+        "are at least two angles, some 60 degrees apart";
     return report;
   }
   return Check({*sights,

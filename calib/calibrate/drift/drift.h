@@ -32,9 +32,9 @@ namespace turnlight::calib::calibrate::drift {
 inline constexpr double kFalseAlarms = 0.01;
 
 struct DriftOptions {
-  double angle_sigma_deg = 0.05;    // of where the table is at each view
-  double edge_offset_sigma = 0.2;   // pixels, of outlines: blur and shading
-  double common_shift_sigma = 0.03; // pixels, of outlines: as placement.h has it
+  double angle_sigma_deg = 0.05;     // of where the table is at each view
+  double edge_offset_sigma = 0.2;    // pixels, of outlines: blur and shading
+  double common_shift_sigma = 0.03;  // pixels, of outlines: as placement.h has it
 };
 
 // A length of a vector, or a number with its sign, with its sigma: that of the pictures and of the
@@ -50,8 +50,8 @@ struct Quantity {
 // A fit with these causes.
 struct Finding {
   std::vector<Cause> causes;
-  double gain = 0.0;  // chi-squared that they explain
-  int freedom = 0;    // by so many numbers
+  double gain = 0.0;         // chi-squared that they explain
+  int freedom = 0;           // by so many numbers
   double chance = 1.0;       // of so much gain without drift
   double left_chance = 1.0;  // of what they leave unexplained, if it is noise
   bool explains = false;     // leaves nothing to speak of
@@ -76,14 +76,14 @@ struct DriftReport {
   // Pixels: of corners per coordinate, of outlines along the normal. The stored calibration as it
   // is, with a board's place, deviations of angles and the edge offset fitted.
   double stored_rms = 0.0;
-  double worst = 0.0;         // of a point
-  double noise = 0.0;         // rms that no change of the calibration explains
-  double moved_rms = 0.0;     // by how much the finding moves the points from the stored calibration
+  double worst = 0.0;      // of a point
+  double noise = 0.0;      // rms that no change of the calibration explains
+  double moved_rms = 0.0;  // by how much the finding moves the points from the stored calibration
 
-  std::vector<Finding> alone;    // each cause that the pictures can tell, by itself
-  Finding everything;            // all of them
-  Finding found;                 // if it drifted
-  std::vector<Finding> as_well;  // others that fit as well as `found`
+  std::vector<Finding> alone;         // each cause that the pictures can tell, by itself
+  Finding everything;                 // all of them
+  Finding found;                      // if it drifted
+  std::vector<Finding> as_well;       // others that fit as well as `found`
   std::vector<std::string> views;     // labels of those used
   std::vector<std::string> left_out;  // with the reason
   std::size_t outliers = 0;
@@ -92,7 +92,8 @@ struct DriftReport {
   std::string length_unit;
 };
 
-// Fails (kInput) if there is nothing to see at all. What pictures show but do not tell is a verdict.
+// Fails (kInput) if there is nothing to see at all. What pictures show but do not tell is a
+// verdict.
 Result<DriftReport> CheckWithBoard(const rig::RigCalibration& calibration,
                                    const board::Board& board,
                                    const std::vector<axis::AxisView>& views,

@@ -11,14 +11,14 @@ namespace turnlight::calib::calibrate::drift {
 namespace {
 
 constexpr int kPanelWidth = 560;
-constexpr int kHead = 56, kFoot = 64;        // above and below the panels
-constexpr double kArrow = 36.0;              // pixels of the page: of a long residual
-constexpr double kLongQuantile = 0.95;       // which one is long
-constexpr double kLeastShown = 0.2;          // pixels: a picture of noise does not look like drift
-constexpr std::size_t kMostArrows = 600;     // of a panel
+constexpr int kHead = 56, kFoot = 64;     // above and below the panels
+constexpr double kArrow = 36.0;           // pixels of the page: of a long residual
+constexpr double kLongQuantile = 0.95;    // which one is long
+constexpr double kLeastShown = 0.2;       // pixels: a picture of noise does not look like drift
+constexpr std::size_t kMostArrows = 600;  // of a panel
 constexpr std::size_t kViewsInLegend = 6;
-const std::array<cv::Vec3b, 6> kViewColours{cv::Vec3b(0, 90, 181),  cv::Vec3b(220, 50, 32),
-                                            cv::Vec3b(0, 140, 100), cv::Vec3b(200, 130, 0),
+const std::array<cv::Vec3b, 6> kViewColours{cv::Vec3b(0, 90, 181),   cv::Vec3b(220, 50, 32),
+                                            cv::Vec3b(0, 140, 100),  cv::Vec3b(200, 130, 0),
                                             cv::Vec3b(120, 60, 160), cv::Vec3b(90, 90, 90)};
 
 // From picture to page.
@@ -58,12 +58,11 @@ void DrawPanel(cv::Mat3b& page, const Panel& panel, const cv::Size& picture,
                const DriftReport& report, const Eigen::Vector2d PointDrift::*residual,
                const std::string& title) {
   const Eigen::Vector2d low(-0.5, -0.5), high(picture.width - 0.5, picture.height - 0.5);
-  plot::DrawPath(page,
-                 {panel.To(low), panel.To({high.x(), low.y()}), panel.To(high),
-                  panel.To({low.x(), high.y()})},
-                 plot::kFaint, 1, true);
-  plot::DrawText(page,
-                 title + Format(": %.3f px rms of a point", RmsOf(report.points, residual)),
+  plot::DrawPath(
+      page,
+      {panel.To(low), panel.To({high.x(), low.y()}), panel.To(high), panel.To({low.x(), high.y()})},
+      plot::kFaint, 1, true);
+  plot::DrawText(page, title + Format(": %.3f px rms of a point", RmsOf(report.points, residual)),
                  {panel.corner.x, panel.corner.y - 14.0}, plot::kLabel, plot::Align::kLeft);
   const std::size_t every = std::max<std::size_t>(1, report.points.size() / kMostArrows);
   for (std::size_t i = 0; i < report.points.size(); i += every) {
@@ -95,8 +94,8 @@ void DrawLegend(cv::Mat3b& page, const DriftReport& report, double enlarged, int
 cv::Mat3b DrawDrift(const DriftReport& report, const cv::Size& picture) {
   const double scale = static_cast<double>(kPanelWidth) / picture.width;
   const int height = static_cast<int>(std::ceil(scale * picture.height));
-  cv::Mat3b page = plot::Page(2 * kPanelWidth + 3 * plot::kMargin,
-                              plot::kMargin + kHead + height + kFoot);
+  cv::Mat3b page =
+      plot::Page(2 * kPanelWidth + 3 * plot::kMargin, plot::kMargin + kHead + height + kFoot);
   const double top = plot::kMargin + kHead;
   plot::DrawText(page, "Points against the calibration: " + VerdictWord(report.verdict),
                  {static_cast<double>(plot::kMargin), plot::kMargin + 8.0}, plot::kCaption,

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kNamed = 3.0;  // sigmas from which a quantity is worth a word
 constexpr std::size_t kViewsNamed = 6;
+constexpr double kLeastChance = 1e-12;  // smaller ones are a matter of words
 
 double SigmasOf(const Quantity& quantity) { return std::abs(quantity.value) / quantity.sigma; }
 
@@ -42,13 +43,19 @@ std::string Standing(const Finding& finding) {
   return text;
 }
 
-std::string FindingLine(const Finding& finding) {
-  std::string values;
+std::string ChanceText(double chance) {
+  return chance < kLeastChance ? Format("chance below %.0g", kLeastChance)
+                               : Format("chance %.1g", chance);
+}
+
+// What one cause alone would be.
+std::string AloneText(const Finding& finding) {
+  std::string text =
+      Format("%-13s %s%s\n", ("only " + Named(finding)).c_str(), ChanceText(finding.chance).c_str(),
+             finding.explains ? "" : "; leaves much unexplained");
   for (const Quantity& quantity : finding.quantities)
-    values += (values.empty() ? "" : ", ") + quantity.words + " " + ValueText(quantity);
-  return Format("only %-8s ", CauseName(finding.causes.front()).c_str()) + values +
-         Format("; chance %.1g%s\n", finding.chance,
-                finding.explains ? "" : "; does not explain all of it");
+    text += Format("%-13s %s %s\n", "", quantity.words.c_str(), ValueText(quantity).c_str());
+  return text;
 }
 
 // The smallest drift that would have stood out.
@@ -78,9 +85,12 @@ std::string DriftedText(const DriftReport& report) {
 
 std::string VerdictWord(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kStillTrue: return "still true";
-    case Verdict::kDrifted: return "drifted";
-    case Verdict::kCannotTell: return "cannot tell";
+    case Verdict::kStillTrue:
+      return "still true";
+    case Verdict::kDrifted:
+      return "drifted";
+    case Verdict::kCannotTell:
+      return "cannot tell";
   }
   return "";
 }
@@ -88,9 +98,10 @@ std::string VerdictWord(Verdict verdict) {
 std::string DriftVerdict(const DriftReport& report) {
   if (report.verdict == Verdict::kCannotTell) return "cannot tell: " + report.why;
   if (report.verdict == Verdict::kDrifted) return DriftedText(report);
-  return Format("still true: the pictures fit the stored calibration within its sigmas and theirs "
-                "(chance %.2g). One cause alone would have stood out (3 sigmas) from: ",
-                report.everything.chance) +
+  return Format(
+             "still true: the pictures fit the stored calibration within its sigmas and theirs "
+             "(chance %.2g). One cause alone would have stood out (3 sigmas) from: ",
+             report.everything.chance) +
          WouldBeSeen(report);
 }
 
@@ -117,9 +128,8 @@ std::string DriftText(const DriftReport& report) {
     text += Format("%-13s ", head.c_str()) + words + "\n";
   };
   std::vector<std::string> named(
-      report.views.begin(),
-      report.views.begin() +
-          static_cast<std::ptrdiff_t>(std::min(report.views.size(), kViewsNamed)));
+      report.views.begin(), report.views.begin() + static_cast<std::ptrdiff_t>(
+                                                       std::min(report.views.size(), kViewsNamed)));
   if (report.views.size() > kViewsNamed) named.push_back("...");
   line("pictures", Format("%zu used: ", report.views.size()) + Listed(named) +
                        Format("; %zu points, %zu outliers", report.points.size(), report.outliers));
@@ -127,7 +137,7 @@ std::string DriftText(const DriftReport& report) {
   if (!report.alone.empty())
     line("pixels", Format("rms %.3f with the stored calibration, worst %.2f; %.3f of it is noise",
                           report.stored_rms, report.worst, report.noise));
-  for (const Finding& finding : report.alone) text += FindingLine(finding);
+  for (const Finding& finding : report.alone) text += AloneText(finding);
   for (const std::string& remark : report.remarks) line("note", remark);
   line("verdict", DriftVerdict(report));
   for (const std::string& remedy : Remedies(report)) line("to do", remedy);

@@ -12,7 +12,8 @@ namespace turnlight::calib::calibrate::drift {
 // "still true", "drifted", "cannot tell"
 std::string VerdictWord(Verdict verdict);
 
-// Lines, each ended: what was seen, pixels, what each cause alone would be, the verdict, what to do.
+// Lines, each ended: what was seen, pixels, what each cause alone would be, the verdict, what to
+// do.
 std::string DriftText(const DriftReport& report);
 // One sentence or two: what drifted, by how much, in how many sigmas.
 std::string DriftVerdict(const DriftReport& report);

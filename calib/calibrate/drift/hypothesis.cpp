@@ -15,16 +15,16 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kMostSteps = 40;
+constexpr int kMostSteps = 25;
 constexpr double kFirstDamping = 1e-3, kMostDamping = 1e6;
-constexpr double kConverged = 1e-3;     // of the misfit, that a step would gain
-constexpr double kLeastReach = 12.0;    // pixels: what a point counts as off that is not seen
-constexpr double kTukey = 4.685;        // 95 % efficient for normal residuals
-constexpr double kOutlier = 4.0;        // sigma
-constexpr double kLeastNoise = 1e-3;    // pixels; exact corners have none
-constexpr double kTold = 10.0;          // information of a drift over that of the prior
-constexpr double kPixelStep = 0.01;     // of an intrinsic whose sigma is not known
-constexpr double kSmallStep = 0.1;      // of one whose sigma is, in sigmas
+constexpr double kConverged = 1e-2;   // of the misfit, that a step would gain
+constexpr double kLeastReach = 12.0;  // pixels: what a point counts as off that is not seen
+constexpr double kTukey = 4.685;      // 95 % efficient for normal residuals
+constexpr double kOutlier = 4.0;      // sigma
+constexpr double kLeastNoise = 1e-3;  // pixels; exact corners have none
+constexpr double kTold = 10.0;        // information of a drift over that of the prior
+constexpr double kPixelStep = 0.01;   // of an intrinsic whose sigma is not known
+constexpr double kSmallStep = 0.1;    // of one whose sigma is, in sigmas
 constexpr int kSiftings = 3;
 
 // Numbers that pictures depend on: a step of the rig, then the edge offset, the common shift and a
@@ -144,8 +144,7 @@ MatrixXd Linearise(const Evaluated& at, const Layout& layout, const Numbers& num
     by.block<1, 6>(row, layout.object) = object.head<6>();
     by(row, numbers.edge) = object[placement::kEdgeOffset];
     by.block<1, 2>(row, numbers.shift) = -residual.normal.transpose();
-    by(row, numbers.deviation + static_cast<Index>(residual.view)) =
-        by(row, layout.angle_offset);
+    by(row, numbers.deviation + static_cast<Index>(residual.view)) = by(row, layout.angle_offset);
   }
   return by;
 }
@@ -208,9 +207,8 @@ Linear LineariseAt(const Minimum& now, const Layout& layout, const Numbers& numb
 Minimum Minimise(const Sights& sights, const Layout& layout, const Numbers& numbers,
                  const Unknowns& unknowns, const Sifted& sifted) {
   const Index count = unknowns.moves.cols();
-  Minimum now{VectorXd::Zero(count),
-              Evaluate(sights, layout, numbers, VectorXd::Zero(numbers.size)),
-              {}};
+  Minimum now{
+      VectorXd::Zero(count), Evaluate(sights, layout, numbers, VectorXd::Zero(numbers.size)), {}};
   double damping = kFirstDamping;
   for (int steps = 0;; ++steps) {
     const Linear linear = LineariseAt(now, layout, numbers, unknowns, sifted);
@@ -240,25 +238,28 @@ Minimum Minimise(const Sights& sights, const Layout& layout, const Numbers& numb
 MatrixXd MarginalOf(const MatrixXd& information, Index drift, Index from) {
   const Index others = information.cols() - from;
   const MatrixXd across = information.block(0, from, drift, others);
-  const MatrixXd normal = information.bottomRightCorner(others, others) +
-                          MatrixXd::Identity(others, others);
+  const MatrixXd normal =
+      information.bottomRightCorner(others, others) + MatrixXd::Identity(others, others);
   return information.topLeftCorner(drift, drift) -
          across * normal.ldlt().solve(across.transpose().eval());
 }
 
 // What the pictures tell of the drift, and no more: directions that they do not tell stay 0.
 struct Told {
+  MatrixXd directions;         // projects the drift's unknowns onto what is told
   MatrixXd covariance, prior;  // of the drift, and what is taken of it in the told directions
 };
 
 Told ToldBy(const MatrixXd& marginal, const MatrixXd& steps) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(marginal);
   const MatrixXd none = MatrixXd::Zero(steps.rows(), steps.rows());
-  Told told{none, none};
+  Told told{MatrixXd::Zero(marginal.rows(), marginal.rows()), none, none};
   for (Index i = 0; i < marginal.rows(); ++i) {
     const double information = eigen.eigenvalues()[i];
     if (information < kTold) continue;
-    const VectorXd direction = steps * eigen.eigenvectors().col(i);
+    const VectorXd unknown = eigen.eigenvectors().col(i);
+    const VectorXd direction = steps * unknown;
+    told.directions += unknown * unknown.transpose();
     told.prior += direction * direction.transpose();
     told.covariance += direction * direction.transpose() / (1.0 + information);
   }
@@ -287,12 +288,13 @@ HypothesisFit FitHypothesis(const Sights& sights, const Hypothesis& hypothesis,
   fit.misfit = minimum.misfit;
   fit.taken = FreedomOf(minimum.information);
   const MatrixXd steps = unknowns.moves.block(0, 0, layout.size, unknowns.drift);
-  fit.drift = steps * minimum.unknowns.head(unknowns.drift);
+  fit.drift = VectorXd::Zero(layout.size);
   fit.covariance = fit.from_pictures = MatrixXd::Zero(layout.size, layout.size);
   if (unknowns.drift == 0) return fit;
   const MatrixXd marginal = MarginalOf(minimum.information, unknowns.drift, unknowns.drift);
   fit.freedom = FreedomOf(marginal);
   const Told told = ToldBy(marginal, steps);
+  fit.drift = steps * (told.directions * minimum.unknowns.head(unknowns.drift));
   fit.covariance = told.covariance;
   fit.told = told.prior;
   fit.could_be = steps * steps.transpose();

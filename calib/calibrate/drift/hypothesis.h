@@ -38,8 +38,8 @@ struct HypothesisFit {
   Eigen::MatrixXd covariance, from_pictures;  // of drift; without the stored calibration's share
   // Of drift before any picture, and of that the directions that the pictures tell.
   Eigen::MatrixXd could_be, told;
-  double freedom = 0.0;                       // of the drift: how many numbers the pictures tell
-  double taken = 0.0;                         // degrees of freedom that all unknowns took
+  double freedom = 0.0;  // of the drift: how many numbers the pictures tell
+  double taken = 0.0;    // degrees of freedom that all unknowns took
 };
 
 HypothesisFit FitHypothesis(const Sights& sights, const Hypothesis& hypothesis,

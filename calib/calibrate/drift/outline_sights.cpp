@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kFewestOnOutline = 40;  // of an outline
 constexpr std::size_t kMostOnOutline = 400;   // of an outline; neighbours tell the same
-constexpr double kLeastOutlineReach = 12.0;       // pixels
-constexpr double kReachShare = 0.15;       // of an outline's extent
+constexpr double kLeastOutlineReach = 12.0;   // pixels
+constexpr double kReachShare = 0.15;          // of an outline's extent
 
 placement::View ThinnedView(const placement::View& view) {
   placement::View thinned = view;

@@ -53,13 +53,11 @@ void AddAxis(const rig::RigCalibration& stored, const Layout& layout, std::vecto
   const Vector3d from_camera = X_WA.translation - stored.geometry.X_WC.translation;
   const Eigen::Matrix<double, 2, 3> across = X_WA.rotation.leftCols<2>().transpose();
   MatrixXd direction = MatrixXd::Zero(2, layout.size), place = direction;
-  direction.middleCols<3>(layout.X_WC) =
-      RadToDeg(1.0) * across * CrossOf(X_WA.rotation.col(2));
+  direction.middleCols<3>(layout.X_WC) = RadToDeg(1.0) * across * CrossOf(X_WA.rotation.col(2));
   place.middleCols<3>(layout.X_WC) = across * CrossOf(from_camera);
   place.middleCols<3>(layout.X_WC + 3) = -across;
-  mapped.push_back(
-      {"axis_direction_deg", "the axis's direction seen from the camera changed by", "deg",
-       direction});
+  mapped.push_back({"axis_direction_deg", "the axis's direction seen from the camera changed by",
+                    "deg", direction});
   mapped.push_back({"axis_place", "the axis's place seen from the camera changed by",
                     stored.length_unit, place});
 }
@@ -68,8 +66,7 @@ void AddAngles(const Layout& layout, std::vector<Mapped>& mapped) {
   MatrixXd scale = MatrixXd::Zero(1, layout.size), offset = scale;
   scale(0, layout.angle_scale) = 360.0;
   offset(0, layout.angle_offset) = 1.0;
-  mapped.push_back(
-      {"angle_scale_deg_per_turn", "a turn of the table is longer by", "deg", scale});
+  mapped.push_back({"angle_scale_deg_per_turn", "a turn of the table is longer by", "deg", scale});
   mapped.push_back({"angle_offset_deg", "the table's zero is off by", "deg", offset});
 }
 
@@ -104,8 +101,7 @@ std::vector<Quantity> QuantitiesOf(const HypothesisFit& fit, const rig::RigCalib
     const double told = (one.map * fit.told * one.map.transpose()).trace();
     const double could_be = (one.map * fit.could_be * one.map.transpose()).trace();
     if (!(told > kToldShare * could_be)) continue;
-    quantities.push_back({one.key, one.words, one.unit,
-                          value.size() == 1 ? value[0] : value.norm(),
+    quantities.push_back({one.key, one.words, one.unit, value.size() == 1 ? value[0] : value.norm(),
                           SigmaAlong(value, covariance),
                           SigmaAlong(value, one.map * fit.from_pictures * one.map.transpose())});
   }

@@ -16,13 +16,13 @@ using Eigen::VectorXd;
 constexpr Index kFocalAndCentre = 4;  // of mrcal's intrinsics, of every lens model the first
 // Steps nobody would overlook. What pictures cannot tell is taken to be 0 with these sigmas: of a
 // camera that went round the axis and a camera that turned, they take the turn.
-constexpr double kTurn = 1.0;          // radians
-constexpr double kShift = 0.05;        // of the camera's distance
-constexpr double kObjectShift = 0.5;   // of the camera's distance
-constexpr double kScale = 0.1;         // degrees per degree
+constexpr double kTurn = 1.0;         // radians
+constexpr double kShift = 0.05;       // of the camera's distance
+constexpr double kObjectShift = 0.5;  // of the camera's distance
+constexpr double kScale = 0.1;        // degrees per degree
 constexpr double kOffsetDeg = 30.0;
-constexpr double kFocal = 0.3;         // of the focal length
-constexpr double kCentre = 0.1;        // of the picture's width
+constexpr double kFocal = 0.3;              // of the focal length
+constexpr double kCentre = 0.1;             // of the picture's width
 constexpr double kLeastEigenvalue = 1e-10;  // of a correlation matrix
 
 struct StoredPart {
@@ -69,10 +69,14 @@ void CopyJoint(const rig::JointCovariance& joint, const std::vector<StoredPart>&
 
 std::string CauseName(Cause cause) {
   switch (cause) {
-    case Cause::kCamera: return "camera";
-    case Cause::kAngles: return "angles";
-    case Cause::kLens: return "lens";
-    case Cause::kTarget: return "target";
+    case Cause::kCamera:
+      return "camera";
+    case Cause::kAngles:
+      return "angles";
+    case Cause::kLens:
+      return "lens";
+    case Cause::kTarget:
+      return "target";
   }
   return "";
 }
@@ -135,8 +139,7 @@ MatrixXd StoredRoot(const rig::RigCalibration& calibration, const Layout& layout
 std::vector<std::string> WithoutCovariance(const rig::RigCalibration& calibration,
                                            bool with_target) {
   std::vector<std::string> missing;
-  for (const StoredPart& part :
-       PartsOf(calibration.covariances, Layout(calibration), with_target))
+  for (const StoredPart& part : PartsOf(calibration.covariances, Layout(calibration), with_target))
     if (!*part.covariance) missing.push_back(part.key);
   return missing;
 }

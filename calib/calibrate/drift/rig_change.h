@@ -37,9 +37,9 @@ Eigen::MatrixXd StoredRoot(const rig::RigCalibration& calibration, const Layout&
 std::vector<std::string> WithoutCovariance(const rig::RigCalibration& calibration,
                                            bool with_target);
 
-// The steps that a cause makes, a column each, so long as a drift may be that nobody would overlook:
-// the camera's turn and shift in W; the angles' scale and offset; focal length (fx and fy by one
-// factor) and image centre; the object's turn and shift in A.
+// The steps that a cause makes, a column each, so long as a drift may be that nobody would
+// overlook: the camera's turn and shift in W; the angles' scale and offset; focal length (fx and fy
+// by one factor) and image centre; the object's turn and shift in A.
 Eigen::MatrixXd StepsOf(Cause cause, const rig::RigCalibration& calibration, const Layout& layout);
 
 // From the camera to A's origin, length unit.

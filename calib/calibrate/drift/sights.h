@@ -25,10 +25,10 @@ struct Sights {
       const rig::RigCalibration& rig, const std::vector<placement::View>& views,
       double edge_offset)>;
   Residuals residuals;
-  rig::RigCalibration start;  // the stored calibration, with X_AT of the object
-  bool object_free = false;   // a board lies anywhere
-  bool edges = false;         // outlines, which have an edge offset
-  double reach = 0.0;         // pixels: what a point that finds no outline counts as off
+  rig::RigCalibration start;          // the stored calibration, with X_AT of the object
+  bool object_free = false;           // a board lies anywhere
+  bool edges = false;                 // outlines, which have an edge offset
+  double reach = 0.0;                 // pixels: what a point that finds no outline counts as off
   std::vector<std::string> left_out;  // "view 2 (30 deg): no board was found"
 };
 
@@ -36,8 +36,7 @@ struct Sights {
 Result<Sights> SightsOfBoard(const rig::RigCalibration& calibration, const board::Board& board,
                              const std::vector<axis::AxisView>& views);
 // Thinned to a number that is enough.
-Result<Sights> SightsOfOutlines(const rig::RigCalibration& calibration,
-                                const TargetShape& shape,
+Result<Sights> SightsOfOutlines(const rig::RigCalibration& calibration, const TargetShape& shape,
                                 const std::vector<placement::View>& views);
 
 }  // namespace turnlight::calib::calibrate::drift

@@ -82,10 +82,17 @@ struct BoardScene {
 
   Outcome Check(const std::string& name, const std::vector<std::string>& more = {}) const {
     EXPECT_TRUE(rig::WriteRigCalibration(rig, folder / (name + ".json")));
-    std::vector<std::string> line{"calibrate", "check",       folder / "board",
-                                  "--calibration", folder / (name + ".json"),
-                                  "--board",   "7x6",         "--square-mm",
-                                  "12",        "--out",       folder / name};
+    std::vector<std::string> line{"calibrate",
+                                  "check",
+                                  folder / "board",
+                                  "--calibration",
+                                  folder / (name + ".json"),
+                                  "--board",
+                                  "7x6",
+                                  "--square-mm",
+                                  "12",
+                                  "--out",
+                                  folder / name};
     line.insert(line.end(), more.begin(), more.end());
     return RunProgram(line);
   }

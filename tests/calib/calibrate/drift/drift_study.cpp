@@ -21,9 +21,9 @@ TEST(DriftStudy, FalseAlarmsOfABoard) {
   for (int draw = 0; draw < kDraws; ++draw) {
     const auto seed = static_cast<std::uint64_t>(1000 + draw);
     const axis::SimulatedTable table = NoisyBoardTable(seed);
-    const auto report = CheckWithBoard(CalibratedOn(table), table.board,
-                                       axis::SimulateViews(LaterThan(table, seed + 5000),
-                                                           {10, 130, 250}));
+    const auto report =
+        CheckWithBoard(CalibratedOn(table), table.board,
+                       axis::SimulateViews(LaterThan(table, seed + 5000), {10, 130, 250}));
     ASSERT_TRUE(report) << report.error().text;
     alarms += report->verdict != Verdict::kStillTrue;
     for (const Finding& finding : report->alone)
@@ -44,9 +44,8 @@ TEST(DriftStudy, FalseAlarmsOfASphere) {
   int alarms = 0;
   const rig::RigCalibration rig = PlacedRig();
   for (int draw = 0; draw < kDraws; ++draw) {
-    const auto views = placement::Outlines(rig, SphereShape{30.0}, rig.geometry.X_AT,
-                                           {0, 120, 240}, {0.3, 0.5, 0.05},
-                                           static_cast<std::uint64_t>(draw));
+    const auto views = placement::Outlines(rig, SphereShape{30.0}, rig.geometry.X_AT, {0, 120, 240},
+                                           {0.3, 0.5, 0.05}, static_cast<std::uint64_t>(draw));
     const auto report = CheckWithOutlines(rig, SphereShape{30.0}, views);
     ASSERT_TRUE(report) << report.error().text;
     alarms += report->verdict != Verdict::kStillTrue;

@@ -32,8 +32,7 @@ const rig::RigCalibration& Stored() {
 
 DriftReport CheckedOn(const axis::SimulatedTable& later,
                       const std::vector<double>& angles = {10, 130, 250}) {
-  const auto report =
-      CheckWithBoard(Stored(), later.board, axis::SimulateViews(later, angles));
+  const auto report = CheckWithBoard(Stored(), later.board, axis::SimulateViews(later, angles));
   EXPECT_TRUE(report) << report.error().text;
   return report ? *report : DriftReport();
 }
@@ -91,7 +90,7 @@ TEST(DriftOfABoard, FindsACameraThatMovedWithTwoViews) {
   const DriftReport report = CheckedOn(later, {20, 110});
   ExpectFound(report, Cause::kCamera);
   ExpectNear(Named(report.found, "axis_place"), 0.2);
-  EXPECT_GT(report.stored_rms, 1.2 * report.noise);
+  EXPECT_GT(report.stored_rms, 1.05 * report.noise);
 }
 
 TEST(DriftOfABoard, FindsALargeDriftToo) {
@@ -143,7 +142,7 @@ TEST(DriftOfABoard, SaysWhatCannotBeTold) {
   const auto moved = CheckWithBoard(Stored(), Table().board, views);
   ASSERT_TRUE(moved);
   EXPECT_EQ(moved->verdict, Verdict::kCannotTell) << DriftText(*moved);
-  EXPECT_THAT(moved->why, HasSubstr("did it move between the pictures"));
+  EXPECT_THAT(moved->why, HasSubstr("view 1 (90 deg): most of its points"));
   const auto none = CheckWithBoard(Stored(), Table().board, {{0.0, {}, {}}});
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().text, HasSubstr("no board was found"));
@@ -163,8 +162,8 @@ TEST(DriftOfABoard, LeavesOutWrongPointsAndEmptyViews) {
 // Outlines to 0.3 px, which go together over some points.
 DriftReport CheckedWith(const rig::RigCalibration& now, const TargetShape& shape,
                         std::uint64_t seed) {
-  const auto views = placement::Outlines(now, shape, now.geometry.X_AT, {0, 70, 150, 260},
-                                         {0.3, 0.5, 0.05}, seed);
+  const auto views =
+      placement::Outlines(now, shape, now.geometry.X_AT, {0, 70, 150, 260}, {0.3, 0.5, 0.05}, seed);
   const auto report = CheckWithOutlines(PlacedRig(), shape, views);
   EXPECT_TRUE(report) << report.error().text;
   return report ? *report : DriftReport();
@@ -180,13 +179,13 @@ TEST(DriftOfATarget, WhatDidNotDriftIsTrue) {
 TEST(DriftOfATarget, OneThatWasPutDownElsewhereIsNoCamera) {
   rig::RigCalibration now = PlacedRig();
   now.geometry.X_AT.translation += Eigen::Vector3d(1.0, 0.5, 0.0);
-  for (const TargetShape& shape : {TargetShape(SphereShape{30.0}), TargetShape(placement::Lump())}) {
+  for (const TargetShape& shape :
+       {TargetShape(SphereShape{30.0}), TargetShape(placement::Lump())}) {
     const DriftReport report = CheckedWith(now, shape, 4);
     ExpectFound(report, Cause::kTarget);
     ExpectNear(Named(report.found, "target_moved"), std::hypot(1.0, 0.5));
     EXPECT_FALSE(Has(report.as_well, Cause::kCamera));
-    EXPECT_THAT(Remedies(report),
-                testing::ElementsAre(HasSubstr("turnlight calibrate target")));
+    EXPECT_THAT(Remedies(report), testing::ElementsAre(HasSubstr("turnlight calibrate target")));
   }
 }
 

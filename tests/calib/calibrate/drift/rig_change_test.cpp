@@ -24,8 +24,7 @@ TEST(RigChange, AStepChangesEachPart) {
   step[layout.object] = 0.1;
   const rig::RigCalibration changed = Changed(rig, layout, step);
   EXPECT_DOUBLE_EQ(changed.lens.intrinsics()[2], rig.lens.intrinsics()[2] + 1.5);
-  EXPECT_DOUBLE_EQ(changed.geometry.X_WC.translation.y(),
-                   rig.geometry.X_WC.translation.y() - 0.25);
+  EXPECT_DOUBLE_EQ(changed.geometry.X_WC.translation.y(), rig.geometry.X_WC.translation.y() - 0.25);
   EXPECT_DOUBLE_EQ(changed.geometry.angle_scale, rig.geometry.angle_scale + 0.01);
   EXPECT_DOUBLE_EQ(changed.geometry.angle_offset_deg, rig.geometry.angle_offset_deg + 2.0);
   const Pose turned = Turn(Eigen::Vector3d::UnitX(), 0.1);
