@@ -158,10 +158,8 @@ std::vector<PointDrift> PointsOf(const std::vector<bool>& used, const Hypothesis
     const placement::Residual& residual = stored.residuals[i];
     const Eigen::Vector2d before = residual.value * residual.normal;
     const Eigen::Vector2d after = found.residuals[i].value * found.residuals[i].normal;
-    const bool second = !residual.edge && i % 2 == 1;
-    if (!used[i] || (second && !used[i - 1]) || (!residual.edge && !second && !used[i + 1]))
-      continue;
-    if (second) {
+    if (!used[i]) continue;
+    if (!residual.edge && i % 2 == 1) {
       points.back().stored += before;
       points.back().found += after;
     } else {
@@ -176,7 +174,7 @@ void SetPixels(const Trial& trial, const HypothesisFit& as_it_is, const Hypothes
   double sum = 0.0, moved = 0.0, count = 0.0;
   for (std::size_t i = 0; i < trial.sifted.used.size(); ++i) {
     if (!trial.sifted.used[i]) {
-      ++report.outliers;
+      if (as_it_is.residuals[i].edge || i % 2 == 0) ++report.outliers;
       continue;
     }
     const double value = as_it_is.residuals[i].value;

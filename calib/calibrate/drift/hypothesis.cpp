@@ -319,9 +319,14 @@ Sifted Sift(const Sights& sights, const std::vector<Cause>& causes, const Nuisan
     placement::Fit told;
     told.residuals = fit.residuals;
     double sum = 0.0, used = 0.0;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i)
       told.used.push_back(fit.residuals[i].valid && sizes[i] < kOutlier * scale);
-      if (!told.used.back()) continue;
+    // A corner has two residuals, and is right or wrong as one.
+    for (std::size_t i = 0; i + 1 < count; i += 2)
+      if (!fit.residuals[i].edge)
+        told.used[i] = told.used[i + 1] = told.used[i] && told.used[i + 1];
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!told.used[i]) continue;
       sum += sizes[i] * sizes[i];
       used += 1.0;
     }
