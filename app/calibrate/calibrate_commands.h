@@ -11,6 +11,7 @@ namespace turnlight::app {
 // One line for each part.
 void AddCalibrateAxis(CLI::App& calibrate, Action& action);
 void AddCalibrateCapture(CLI::App& calibrate, Action& action);
+void AddCalibrateCheck(CLI::App& calibrate, Action& action);
 void AddCalibrateIntrinsics(CLI::App& calibrate, Action& action);
 void AddCalibrateResponse(CLI::App& calibrate, Action& action);
 void AddCalibrateRig(CLI::App& calibrate, Action& action);

@@ -9,6 +9,7 @@ void AddCalibrate(CLI::App& program, Action& action) {
   calibrate->require_subcommand(1);
   AddCalibrateAxis(*calibrate, action);
   AddCalibrateCapture(*calibrate, action);
+  AddCalibrateCheck(*calibrate, action);
   AddCalibrateIntrinsics(*calibrate, action);
   AddCalibrateResponse(*calibrate, action);
   AddCalibrateRig(*calibrate, action);

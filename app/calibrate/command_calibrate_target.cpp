@@ -7,12 +7,9 @@
 #include <vector>
 
 #include "app/calibrate/calibrate_commands.h"
-#include "app/calibrate/target_option.h"
-#include "app/calibrate/target_pictures.h"
+#include "app/calibrate/outline_pictures.h"
 #include "app/exit_code.h"
-#include "app/interrupt.h"
 #include "app/output_folder.h"
-#include "app/progress.h"
 #include "base/file.h"
 #include "base/format.h"
 #include "calib/calibrate/placement/picked_points.h"
@@ -31,81 +28,11 @@ namespace fs = std::filesystem;
 namespace placement = calib::calibrate::placement;
 using nlohmann::ordered_json;
 
-constexpr std::size_t kShown = 6;  // photographs in the report
-
-struct TargetArguments {
-  std::string pictures, calibration, out, points;
-  TargetWords target;
-  CompanionFiles companions;
+struct PlacingArguments {
+  TargetArguments target;
+  std::string calibration, out, points;
   placement::PlacementOptions options;
 };
-
-struct TargetInput {
-  TargetPictures pictures;
-  calib::TargetShape shape;
-};
-
-// A session knows its target; of a raw capture the options say which it is.
-Result<TargetInput> ReadInput(const TargetArguments& arguments,
-                              const rig::RigCalibration& calibration) {
-  const auto combine = [](Result<TargetPictures> pictures,
-                          Result<calib::TargetShape> shape) -> Result<TargetInput> {
-    if (!pictures) return Forward(pictures);
-    if (!shape) return Forward(shape);
-    return TargetInput{std::move(*pictures), std::move(*shape)};
-  };
-  if (rig::IsRawCapture(arguments.pictures)) {
-    const auto capture = rig::ReadRawCapture(arguments.pictures);
-    if (!capture) return Forward(capture);
-    return combine(TargetPicturesOf(*capture, calibration, arguments.companions),
-                   ReadTargetShape(arguments.target));
-  }
-  if (arguments.target.given())
-    return InputError("--sphere, --plane and --mesh are for a raw capture; the session " +
-                      arguments.pictures + " says itself what its target is");
-  const auto session = rig::ReadSession(arguments.pictures);
-  if (!session) return Forward(session);
-  return combine(TargetPicturesOf(arguments.pictures, calibration, arguments.companions),
-                 rig::ReadTarget(*session));
-}
-
-// All frames, seen.
-struct Observed {
-  std::vector<placement::View> views;
-  std::vector<cv::Mat> shown;  // pictures for the report; empty for the others
-  std::vector<std::string> remarks;
-  bool from_masks = false;
-};
-
-Result<Observed> Observe(const TargetPictures& pictures, const fs::path& out) {
-  const fs::path masks = out / "masks";
-  if (Status status = MakeDirectory(masks); !status) return Forward(status);
-  Observed observed;
-  const std::size_t count = pictures.frames.size();
-  const std::size_t every = (count + kShown - 1) / kShown;
-  Progress progress("finding outlines", count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (Interrupted()) return InterruptedError();
-    const auto read = pictures.read(i);
-    if (!read) return Forward(read);
-    const TargetPicture& frame = pictures.frames[i];
-    auto seen = placement::ViewOfPicture(*read, frame.angle_deg, frame.label);
-    if (!seen) return Forward(seen);
-    if (!seen->mask.empty())
-      if (Status status = rig::WriteImage(masks / Format("%03zu.png", i), seen->mask); !status)
-        return Forward(status);
-    observed.from_masks |= seen->from_mask;
-    observed.remarks.insert(observed.remarks.end(), seen->remarks.begin(), seen->remarks.end());
-    observed.views.push_back(std::move(seen->view));
-    observed.shown.push_back(i % every == 0 ? read->lit : cv::Mat());
-    progress.Step();
-  }
-  if (observed.from_masks)
-    observed.remarks.push_back(
-        "some outlines are those of the session's masks, as the pictures "
-        "show no clear edges there");
-  return observed;
-}
 
 ordered_json RowsOf(const placement::Matrix6& matrix) {
   ordered_json rows = ordered_json::array();
@@ -145,7 +72,7 @@ std::string PrintPlacement(const placement::Placement& placed,
 }
 
 Status WriteAll(const rig::RigCalibration& calibration, const calib::TargetShape& shape,
-                const Observed& observed, const placement::Placement& placed,
+                const OutlinePictures& observed, const placement::Placement& placed,
                 const std::vector<std::string>& remarks, const fs::path& out) {
   calib::TargetShape fitted = shape;
   if (auto* sphere = std::get_if<calib::SphereShape>(&fitted)) sphere->radius = placed.radius;
@@ -165,13 +92,13 @@ Status WriteAll(const rig::RigCalibration& calibration, const calib::TargetShape
   return status;
 }
 
-int CalibrateTarget(const TargetArguments& arguments) {
+int CalibrateTarget(const PlacingArguments& arguments) {
   const auto calibration = rig::ReadRigCalibration(arguments.calibration);
   if (!calibration) return Fail(calibration.error());
-  const auto input = ReadInput(arguments, *calibration);
+  const auto input = ReadTargetInput(arguments.target, *calibration);
   if (!input) return Fail(input.error());
   const calib::TargetShape& shape = input->shape;
-  Status status = CheckOutputFolder(arguments.out, arguments.pictures);
+  Status status = CheckOutputFolder(arguments.out, arguments.target.pictures);
   if (!status) return Fail(status.error());
   std::vector<placement::PickedPoint> picked;
   if (!arguments.points.empty()) {
@@ -179,7 +106,7 @@ int CalibrateTarget(const TargetArguments& arguments) {
     if (!read) return Fail(read.error());
     picked = std::move(*read);
   }
-  const auto observed = Observe(input->pictures, arguments.out);
+  const auto observed = FindOutlines(input->pictures, fs::path(arguments.out) / "masks");
   if (!observed) return Fail(observed.error());
   placement::PlacementOptions options = arguments.options;
   if (observed->from_masks)
@@ -200,9 +127,9 @@ int CalibrateTarget(const TargetArguments& arguments) {
   return kDone;
 }
 
-void AddOptions(CLI::App& command, TargetArguments& arguments) {
+void AddOptions(CLI::App& command, PlacingArguments& arguments) {
   command
-      .add_option("PICTURES", arguments.pictures,
+      .add_option("PICTURES", arguments.target.pictures,
                   "A raw capture's folder (its frames of the kinds target, empty and lamp-off), or "
                   "a session, whose poses are not used")
       ->required();
@@ -213,15 +140,7 @@ void AddOptions(CLI::App& command, TargetArguments& arguments) {
       ->type_name("FILE");
   AddOut(command, arguments.out,
          "Folder for rig-calibration.json with X_AT, placement.json, masks and the report");
-  AddTargetShapeOptions(command, arguments.target);
-  command
-      .add_option("--empty", arguments.companions.empty,
-                  "Picture of the empty table: one, or one for each frame")
-      ->type_name("IMAGE");
-  command
-      .add_option("--lamp-off", arguments.companions.lamp_off,
-                  "Picture with the lamps off, subtracted: one, or one for each frame")
-      ->type_name("IMAGE");
+  AddTargetOptions(command, arguments.target);
   command
       .add_option("--points", arguments.points,
                   "Picked points, a line each: frame, x, y, X, Y, Z (pixels; the target's frame)")
@@ -247,7 +166,7 @@ void AddCalibrateTarget(CLI::App& calibrate, Action& action) {
       "dark background",
       "turnlight calibrate target pictures --mesh cat.ply --calibration rig-calibration.json --out "
       "target");
-  auto arguments = std::make_shared<TargetArguments>();
+  auto arguments = std::make_shared<PlacingArguments>();
   AddOptions(*command, *arguments);
   command->callback(
       [arguments, &action] { action = [arguments] { return CalibrateTarget(*arguments); }; });

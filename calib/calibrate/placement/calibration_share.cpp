@@ -25,28 +25,6 @@ Matrix3d Cross(const Vector3d& v) {
   return matrix;
 }
 
-// Derivatives of a point in C by the poses and angles of the rig, in their files' parameters.
-struct ByGeometry {
-  Eigen::Matrix<double, 3, 6> X_WC, X_WA;
-  Vector3d angle_scale, angle_offset;  // by deg/deg and by deg
-};
-
-ByGeometry PointByGeometry(const calib::TurntableGeometry& geometry, double angle_deg,
-                           const Vector3d& p_A) {
-  const double turned = DegToRad(geometry.angle_scale * angle_deg + geometry.angle_offset_deg);
-  const Vector3d p_table = Eigen::AngleAxisd(turned, Vector3d::UnitZ()) * p_A;
-  const Vector3d turned_A = geometry.X_WA.rotation * p_table;  // seen from A's origin, in W's axes
-  const Vector3d from_camera = turned_A + geometry.X_WA.translation - geometry.X_WC.translation;
-  const Matrix3d R_CW = geometry.X_WC.rotation.transpose();
-  ByGeometry by;
-  by.X_WC << R_CW * Cross(from_camera), -R_CW;
-  by.X_WA << -R_CW * Cross(turned_A), R_CW;
-  by.angle_offset =
-      R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
-  by.angle_scale = by.angle_offset * angle_deg;
-  return by;
-}
-
 // The sum of gain_i * d value_i / d calibration, gain_i being what residual i moves the parameters.
 struct Sums {
   MatrixXd X_WC = MatrixXd::Zero(kParameters, 6), X_WA = MatrixXd::Zero(kParameters, 6);
@@ -164,6 +142,22 @@ void CopyJoint(const rig::JointCovariance& joint, const std::vector<Part>& parts
 }
 
 }  // namespace
+
+ByGeometry PointByGeometry(const calib::TurntableGeometry& geometry, double angle_deg,
+                           const Vector3d& p_A) {
+  const double turned = DegToRad(geometry.angle_scale * angle_deg + geometry.angle_offset_deg);
+  const Vector3d p_table = Eigen::AngleAxisd(turned, Vector3d::UnitZ()) * p_A;
+  const Vector3d turned_A = geometry.X_WA.rotation * p_table;  // seen from A's origin, in W's axes
+  const Vector3d from_camera = turned_A + geometry.X_WA.translation - geometry.X_WC.translation;
+  const Matrix3d R_CW = geometry.X_WC.rotation.transpose();
+  ByGeometry by;
+  by.X_WC << R_CW * Cross(from_camera), -R_CW;
+  by.X_WA << -R_CW * Cross(turned_A), R_CW;
+  by.angle_offset =
+      R_CW * geometry.X_WA.rotation * Vector3d::UnitZ().cross(p_table) * DegToRad(1.0);
+  by.angle_scale = by.angle_offset * angle_deg;
+  return by;
+}
 
 CalibrationShare ShareOfCalibration(const Problem& problem, const Fit& fit,
                                     const MatrixXd& inverse) {

@@ -86,7 +86,7 @@ double ScaleOfUsed(const Fit& fit, std::size_t parameters) {
 // The variance of a sum of neighbouring residuals over that of independent ones: 1 + 2 * the sum of
 // the autocorrelations, up to the first that is within its noise of 0. Shifts of whole views do not
 // count here: they are told apart below.
-double CorrelationOf(const Fit& fit, const std::vector<Vector2d>& shifts) {
+double CorrelationAlong(const Fit& fit, const std::vector<Vector2d>& shifts) {
   std::vector<int> piece(fit.residuals.size(), 0);
   VectorXd size = VectorXd::Zero(static_cast<Eigen::Index>(fit.residuals.size()));
   double variance = 0.0, count = 0.0;
@@ -246,6 +246,10 @@ void Apply(const VectorXd& step, State& state) {
 
 }  // namespace
 
+double CorrelationOf(const Fit& fit, std::size_t views) {
+  return CorrelationAlong(fit, ShiftsOf(fit, views).shift);
+}
+
 calib::Pose Moved(const calib::Pose& pose, const Vector3d& w, const Vector3d& d) {
   const double angle = w.norm();
   calib::Pose moved{pose.rotation, pose.translation + d};
@@ -282,7 +286,7 @@ Fit Solve(const Problem& problem, State start, double reach, int most_steps) {
     if (!approach) {
       fit.scale = ScaleOfUsed(fit, parameters);
       const Shifts shifts = ShiftsOf(fit, problem.views.size());
-      fit.correlation = CorrelationOf(fit, shifts.shift);
+      fit.correlation = CorrelationAlong(fit, shifts.shift);
       spread = std::sqrt(fit.correlation);
     }
     Normal normal = NormalEquations(X_CA, fit.residuals, weights, fit.state, fit.scale * spread);

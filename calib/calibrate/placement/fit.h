@@ -1,4 +1,4 @@
-// Robust least squares of a placement, and its covariance. Internal to this folder.
+// Robust least squares of a placement, and its covariance. Internal to this folder and to drift.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,6 +38,10 @@ Fit Solve(const Problem& problem, State start, double reach, int most_steps);
 // `limit` squared; points without an expected outline count as the limit.
 inline constexpr double kCostLimit = 20.0;  // pixels, for comparing placements
 double LimitedCost(const std::vector<Residual>& residuals, double limit);
+
+// The variance of a sum of neighbouring residuals along outlines over that of independent ones, at
+// least 1.
+double CorrelationOf(const Fit& fit, std::size_t views);
 
 // Of all parameters; those held have none.
 struct FitCovariance {

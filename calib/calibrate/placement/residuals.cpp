@@ -233,7 +233,11 @@ Model SphereModel(const rig::RigCalibration& calibration, const std::vector<View
 
 Model ContourModel(const rig::RigCalibration& calibration, const calib::TargetShape& shape,
                    const std::vector<View>& views) {
-  const auto finder = std::make_shared<const ContourFinder>(shape);
+  return ContourModel(calibration, std::make_shared<const ContourFinder>(shape), views);
+}
+
+Model ContourModel(const rig::RigCalibration& calibration,
+                   std::shared_ptr<const ContourFinder> finder, const std::vector<View>& views) {
   const std::vector<calib::Pose> X_CA = PosesOfTable(calibration, views);
   return [finder, X_CA, &views, &calibration](const State& state, double reach) {
     return OfAllViews(views.size(), [&](std::size_t v) {

@@ -1,13 +1,16 @@
-// What is measured against what is expected, linearised. Internal to this folder.
+// What is measured against what is expected, linearised. Internal to this folder and to drift.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "calib/calibrate/placement/placement.h"
 
 namespace turnlight::calib::calibrate::placement {
+
+class ContourFinder;
 
 struct State {
   calib::Pose X_AT;
@@ -47,6 +50,9 @@ Model SphereModel(const rig::RigCalibration& calibration, const std::vector<View
 // The nearest part of the shape's contour whose normal agrees.
 Model ContourModel(const rig::RigCalibration& calibration, const calib::TargetShape& shape,
                    const std::vector<View>& views);
+// Of a shape whose edges are known already.
+Model ContourModel(const rig::RigCalibration& calibration,
+                   std::shared_ptr<const ContourFinder> finder, const std::vector<View>& views);
 
 // Reprojection, two residuals each.
 Model PickedModel(const rig::RigCalibration& calibration, const std::vector<View>& views,
