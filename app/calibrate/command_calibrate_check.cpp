@@ -120,10 +120,11 @@ int Check(const CheckArguments& arguments) {
 
 void AddCheckOptions(CLI::App& command, CheckArguments& arguments) {
   command
-      .add_option("PICTURES", arguments.target.pictures,
-                  "Taken now: with --board a raw capture's folder or a session's, two or three "
-                  "angles of a board anywhere on the table; else of the target where it was put for "
-                  "the calibration")
+      .add_option(
+          "PICTURES", arguments.target.pictures,
+          "Taken now: with --board a raw capture's folder or a session's, two or three "
+          "angles of a board anywhere on the table; else of the target where it was put for "
+          "the calibration")
       ->required();
   command
       .add_option("--calibration", arguments.calibration, "The rig-calibration.json in question")
