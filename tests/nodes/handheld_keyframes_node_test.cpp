@@ -151,6 +151,7 @@ TEST(HandheldKeyframes, AreWhereTheCameraTrulyWas) {
 TEST(HandheldKeyframes, ViewsKeptBeforeAreNotTakenAgain) {
   const Walked first = CarryIt({});
   Options options;
+  options.graph = With(kGraph, "idle_timeout_s: 4", "idle_timeout_s: 20");
   for (const Bracket& bracket : first.brackets) options.kept.push_back(*bracket.placed);
   const Walked second = CarryIt(options, 1);
   ASSERT_EQ(second.brackets.size(), 1u);
