@@ -117,8 +117,8 @@ std::string LostView(const Trial& trial, const HypothesisFit& all) {
   return "";
 }
 
-// Why the pictures cannot tell, if they cannot.
-std::string WhyNot(const Trial& trial, const HypothesisFit& all, const DriftReport& report) {
+// Why the pictures are none of this rig and board or target, if they are not.
+std::string WhyUnfit(const Trial& trial, const HypothesisFit& all, const DriftReport& report) {
   double used = 0.0;
   for (const bool one : trial.sifted.used) used += one ? 1.0 : 0.0;
   const std::string what = trial.sights.object_free ? "board" : "target";
@@ -133,6 +133,12 @@ std::string WhyNot(const Trial& trial, const HypothesisFit& all, const DriftRepo
   if (!lost.empty())
     return lost + ": most of its points do not fit the other pictures, whatever changed. Did the " +
            what + " move between the pictures, is the angle its own?";
+  return "";
+}
+
+// Why pictures that show no drift would not have shown one, if they would not.
+std::string WhyBlind(const Trial& trial, const DriftReport& report) {
+  const std::string what = trial.sights.object_free ? "board" : "target";
   for (const Finding& finding : report.alone) {
     if (finding.causes.front() != Cause::kCamera) continue;
     const Quantity* direction = Find(finding, "axis_direction_deg");
@@ -205,6 +211,10 @@ void AddRemarks(const Trial& trial, DriftReport& report) {
   if (!missing.empty())
     report.remarks.push_back("the calibration has no covariance of " + Listed(missing) +
                              ": counted as exact, so that its own error may look like a drift");
+  if (trial.sights.object_free && report.verdict == Verdict::kStillTrue)
+    report.remarks.push_back(
+        "a board that may lie anywhere does not tell whether the camera moved along the axis or "
+        "went round it, nor whether the table lost its zero: the target's outlines do");
   if (report.verdict != Verdict::kDrifted) return;
   const Quantity* focal = Find(report.found, "focal_length_percent");
   if (focal && std::abs(focal->value) > kUnlikelyFocalPercent && trial.sights.object_free)
@@ -231,11 +241,10 @@ DriftReport Check(Trial trial) {
   report.noise = NoiseOf(trial, all);
   double least = report.everything.chance;
   for (const Finding& finding : report.alone) least = std::min(least, finding.chance);
-  report.why = WhyNot(trial, all, report);
-  if (report.why.empty()) {
-    const double tests = static_cast<double>(report.alone.size() + 1);
-    report.verdict = least * tests < kFalseAlarms ? Verdict::kDrifted : Verdict::kStillTrue;
-  }
+  const bool drifted = least * static_cast<double>(report.alone.size() + 1) < kFalseAlarms;
+  report.why = WhyUnfit(trial, all, report);
+  if (report.why.empty() && !drifted) report.why = WhyBlind(trial, report);
+  if (report.why.empty()) report.verdict = drifted ? Verdict::kDrifted : Verdict::kStillTrue;
   if (report.verdict == Verdict::kDrifted) FindCauses(trial, nothing, all, report);
   const HypothesisFit as_it_is =
       FitHypothesis(trial.sights, {{}, false}, trial.nuisances, trial.sifted);

@@ -57,7 +57,7 @@ void SetCovariances(rig::RigCalibration& rig) {
 }
 
 void TurnStored(rig::RigCalibration& rig, double degrees) {
-  Pose& X_WC = rig.geometry.X_WC;
+  calib::Pose& X_WC = rig.geometry.X_WC;
   X_WC.rotation = calib::Turn(X_WC.rotation.col(1), DegToRad(degrees)).rotation * X_WC.rotation;
 }
 
