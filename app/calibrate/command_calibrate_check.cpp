@@ -15,6 +15,7 @@
 #include "base/file.h"
 #include "base/format.h"
 #include "calib/calibrate/board/detect_boards.h"
+#include "calib/calibrate/board/shown_board.h"
 #include "calib/calibrate/drift/drift.h"
 #include "calib/calibrate/drift/drift_json.h"
 #include "calib/calibrate/drift/drift_words.h"
@@ -60,6 +61,11 @@ Result<drift::DriftReport> CheckBoard(const CheckArguments& arguments,
   Progress progress("finding the board", pictures->angles_deg.size());
   const auto found = board::DetectInPictures(pictures->angles_deg.size(), pictures->picture, *board,
                                              [&progress](std::size_t) { progress.Step(); });
+  std::vector<std::string> names;
+  for (const double angle_deg : pictures->angles_deg)
+    names.push_back(Format("at %g deg", angle_deg));
+  if (const Status status = board::CheckShownBoard(names, found, *board); !status)
+    return Forward(status);
   std::vector<axis::AxisView> views;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i]) return Forward(found[i]);

@@ -14,6 +14,7 @@
 #include "base/format.h"
 #include "calib/calibrate/axis/axis_report.h"
 #include "calib/calibrate/board/detect_boards.h"
+#include "calib/calibrate/board/shown_board.h"
 #include "calib/calibrate/lens/assess_lens.h"
 #include "calib/calibrate/lens/lens_json.h"
 #include "calib/calibrate/lens/pictures.h"
@@ -131,6 +132,10 @@ Result<std::vector<board::Detection>> Detect(const RigWork& work, const rig::Raw
   auto found = board::DetectInPictures(
       frames.size(), [&](std::size_t i) { return GreyOf(capture, frames[i]); }, work.recipe.board,
       [&progress](std::size_t) { progress.Step(); });
+  std::vector<std::string> names;
+  for (const std::size_t frame : frames) names.push_back(capture.frames[frame].image);
+  if (const Status status = board::CheckShownBoard(names, found, work.recipe.board); !status)
+    return Forward(status);
   std::vector<board::Detection> detections;
   for (auto& detection : found) {
     if (!detection) return Forward(detection);

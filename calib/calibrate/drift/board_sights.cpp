@@ -6,6 +6,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "calib/calibrate/axis/board_pose.h"
+#include "calib/calibrate/board/number_lattice.h"
 #include "calib/calibrate/drift/sights.h"
 
 namespace turnlight::calib::calibrate::drift {
@@ -56,7 +57,7 @@ Candidate BestCandidate(const std::vector<SeenBoard>& seen, const std::vector<Po
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) middle += point / static_cast<double>(points.size());
   const double size = (points.back() - points.front()).norm();
-  const std::vector<Pose> turns = axis::SameLookingTurns(board);
+  const std::vector<Pose> turns = SameLookingTurns(board);
   Candidate best;
   for (std::size_t r = 0; r < seen.size(); ++r)
     for (const Pose& X_CB : seen[r].X_CB) {
@@ -139,7 +140,7 @@ Result<Sights> SightsOfBoard(const rig::RigCalibration& calibration, const board
     X_AC.push_back(
         placement::PoseOfTableInCamera(calibration.geometry, views[one.view].angle_deg).Inverse());
   const Candidate best = BestCandidate(seen, X_AC, board);
-  const std::vector<Pose> turns = axis::SameLookingTurns(board);
+  const std::vector<Pose> turns = SameLookingTurns(board);
   auto measured = std::make_shared<BoardMeasured>();
   bool first = true;
   for (std::size_t i = 0; i < seen.size(); ++i) {

@@ -24,7 +24,7 @@ TEST(RealBoards, EveryPhotographShowsAWholeBoard) {
     if (!bytes) return Forward(bytes);
     const auto jpeg = rig::DecodeJpeg(*bytes, file);
     if (!jpeg) return Forward(jpeg);
-    return jpeg->grey;
+    return jpeg->image;
   };
   const auto found = DetectInPictures(25, picture, Chessboard(7, 7));
   std::size_t all = 0;
