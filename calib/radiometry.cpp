@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <ranges>
 #include <type_traits>
 #include <vector>
 
@@ -201,8 +202,9 @@ void EncodeRows(const cv::Mat& radiance, const Radiometry& radiometry, double fa
     T* dn = out.ptr<T>(row);
     for (int i = 0; i < radiance.cols * channels; ++i) {
       const double balance = WhiteBalance(radiometry, channels, i % channels);
+      const int column = i / channels;
       const double share =
-          radiometry.vignetting ? radiometry.vignetting->ShareAt(i / channels, row) : 1.0;
+          radiometry.vignetting ? radiometry.vignetting->ShareAt(column, row) : 1.0;
       const double s = transfer.Encode(in[i] * balance * share / factor);
       dn[i] = ToDn<T>(radiometry.black + s * (radiometry.white - radiometry.black));
     }
@@ -213,7 +215,7 @@ void EncodeRows(const cv::Mat& radiance, const Radiometry& radiometry, double fa
 
 double Vignetting::Share(double q) const {
   double sum = 0.0;
-  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) sum = (sum + *c) * q;
+  for (const double c : coefficients | std::views::reverse) sum = (sum + c) * q;
   return 1.0 + sum;
 }
 

@@ -9,8 +9,8 @@ namespace {
 
 Eigen::Vector2d PointOf(const Observations& pixels, const calib::RayGrid& rays, std::size_t i) {
   const auto width = static_cast<std::uint32_t>(rays.width());
-  return {static_cast<double>(pixels.pixel[i] % width),
-          static_cast<double>(pixels.pixel[i] / width)};
+  const std::uint32_t row = pixels.pixel[i] / width;
+  return {static_cast<double>(pixels.pixel[i] % width), static_cast<double>(row)};
 }
 
 // The points whose rays are those of the sample's pixels with the other lens: as far before a pixel

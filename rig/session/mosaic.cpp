@@ -15,8 +15,8 @@ int DemosaicCode(const std::string& pattern) {
 }  // namespace
 
 const std::vector<std::string>& BayerPatterns() {
-  static const std::vector<std::string> patterns{"RGGB", "BGGR", "GRBG", "GBRG"};
-  return patterns;
+  static const std::vector<std::string> kPatterns{"RGGB", "BGGR", "GRBG", "GBRG"};
+  return kPatterns;
 }
 
 Status Demosaic(const std::string& pattern, const std::string& file, cv::Mat& image) {

@@ -20,11 +20,11 @@ struct Profile {
 Profile ProfileAt(const std::vector<ViewSums>& views, double ratio, int freedom,
                   double least_variance) {
   const Eigen::LDLT<Eigen::MatrixXd> normal(MarginalNormal(views, ratio));
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(views.front().Xy.size());
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(views.front().xy.size());
   double squares = 0.0, logarithms = 0.0;
   for (const ViewSums& view : views) {
     const double share = DeviationShare(view, ratio);
-    right += view.Xy - share * view.zy * view.Xz;
+    right += view.xy - share * view.zy * view.xz;
     squares += view.yy - share * view.zy * view.zy;
     if (!view.free_angle) logarithms += std::log1p(ratio * view.zz);
   }
@@ -44,9 +44,9 @@ double DeviationShare(const ViewSums& view, double variance_ratio) {
 }
 
 Eigen::MatrixXd MarginalNormal(const std::vector<ViewSums>& views, double variance_ratio) {
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(views.front().XX.rows(), views.front().XX.cols());
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(views.front().xx.rows(), views.front().xx.cols());
   for (const ViewSums& view : views)
-    normal += view.XX - DeviationShare(view, variance_ratio) * view.Xz * view.Xz.transpose();
+    normal += view.xx - DeviationShare(view, variance_ratio) * view.xz * view.xz.transpose();
   return normal;
 }
 
@@ -54,7 +54,7 @@ NoiseEstimate EstimateNoise(const std::vector<ViewSums>& views, int angle_parame
                             double least_corner) {
   NoiseEstimate noise;
   noise.angle_freedom = -angle_parameters;
-  noise.corner_freedom = -static_cast<int>(views.front().Xy.size());
+  noise.corner_freedom = -static_cast<int>(views.front().xy.size());
   for (const ViewSums& view : views) {
     noise.corner_freedom += view.rows - (view.free_angle ? 1 : 0);
     noise.angle_freedom += view.free_angle ? 0 : 1;

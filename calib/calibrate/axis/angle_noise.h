@@ -9,11 +9,11 @@
 
 namespace turnlight::calib::calibrate::axis {
 
-// One view's part of the normal equations: X by parameters, z by its deviation, y the residuals
-// with the deviation put back. Signs as residuals go: y = y0 + X step + z deviation.
+// One view's part of the normal equations: x by parameters, z by its deviation, y the residuals
+// with the deviation put back. Signs as residuals go: y = y0 + x step + z deviation.
 struct ViewSums {
-  Eigen::MatrixXd XX;
-  Eigen::VectorXd Xz, Xy;
+  Eigen::MatrixXd xx;
+  Eigen::VectorXd xz, xy;
   double zz = 0.0, zy = 0.0, yy = 0.0;
   int rows = 0;
   bool free_angle = false;  // its deviation has no prior
@@ -33,7 +33,7 @@ NoiseEstimate EstimateNoise(const std::vector<ViewSums>& views, int angle_parame
 
 // The normal matrix with the deviations integrated out, in units of the corners' variance.
 Eigen::MatrixXd MarginalNormal(const std::vector<ViewSums>& views, double variance_ratio);
-// Of a view: X'X -> X'X - share Xz z'X.
+// Of a view: X'X -> X'X - share xz z'X.
 double DeviationShare(const ViewSums& view, double variance_ratio);
 
 }  // namespace turnlight::calib::calibrate::axis

@@ -110,11 +110,11 @@ Eigen::Vector3d PointOnAxis(const Guesses& guesses, const std::vector<Pose>& tur
   for (std::size_t i = 0; i < guesses.views.size(); ++i) {
     const TurningBoard::Choice& choice = turning.choices[i];
     if (!choice.fits) continue;
-    const Eigen::Matrix3d R = Turn(turning.direction_C, choice.turned).rotation;
-    const Eigen::Matrix3d A = Eigen::Matrix3d::Identity() - R;
+    const Eigen::Matrix3d turn = Turn(turning.direction_C, choice.turned).rotation;
+    const Eigen::Matrix3d off_axis = Eigen::Matrix3d::Identity() - turn;
     const Eigen::Vector3d middle = middle_of(i);
-    left += A.transpose() * A;
-    right += A.transpose() * (middle - R * first);
+    left += off_axis.transpose() * off_axis;
+    right += off_axis.transpose() * (middle - turn * first);
     mean += middle;
     count += 1.0;
   }
@@ -211,9 +211,9 @@ Status Solve(const CameraModel& camera, double angle_noise, AxisFit& fit) {
     const ViewLinearization linear = Linearize(fit.state, camera, kept[i], deviation);
     const Eigen::VectorXd& z = linear.by_deviation;
     const Eigen::VectorXd y = linear.residuals - deviation * z;
-    const Eigen::MatrixXd X = linear.by_step.leftCols(fit.columns);
+    const Eigen::MatrixXd x = linear.by_step.leftCols(fit.columns);
     ViewSums& sums = fit.sums[i];
-    sums = {X.transpose() * X, X.transpose() * z, X.transpose() * y,          z.squaredNorm(),
+    sums = {x.transpose() * x, x.transpose() * z, x.transpose() * y,          z.squaredNorm(),
             z.dot(y),          y.squaredNorm(),   static_cast<int>(y.size()), kept[i].free_angle};
     used[i]->free_deviation = -sums.zy / sums.zz;
     used[i]->free_sigma = 1.0 / std::sqrt(sums.zz);

@@ -59,9 +59,9 @@ std::optional<StepCovariance> CovarianceOf(const AxisFit& fit, const CameraModel
     if (!view.used) continue;
     const ViewSums& sums = fit.sums[used++];
     const ViewLinearization linear = Linearize(fit.state, camera, view.kept, view.deviation);
-    const Eigen::MatrixXd K = ByIntrinsics(fit.state, camera, view.kept, view.deviation);
-    moved += linear.by_step.leftCols(fit.columns).transpose() * K -
-             DeviationShare(sums, ratio) * sums.Xz * (linear.by_deviation.transpose() * K);
+    const Eigen::MatrixXd by_lens = ByIntrinsics(fit.state, camera, view.kept, view.deviation);
+    moved += linear.by_step.leftCols(fit.columns).transpose() * by_lens -
+             DeviationShare(sums, ratio) * sums.xz * (linear.by_deviation.transpose() * by_lens);
   }
   Eigen::MatrixXd by_intrinsics = Eigen::MatrixXd::Zero(kParameters, moved.cols());
   by_intrinsics.topRows(fit.columns) = -*inverse * moved;

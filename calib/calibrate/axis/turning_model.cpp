@@ -26,15 +26,15 @@ constexpr double kRelativeStep = 1e-5;
 
 template <typename T>
 Matrix3<T> RotationOf(const Vector3<T>& w) {
-  Matrix3<T> R;
-  ceres::AngleAxisToRotationMatrix(w.data(), R.data());  // both are column by column
-  return R;
+  Matrix3<T> r;
+  ceres::AngleAxisToRotationMatrix(w.data(), r.data());  // both are column by column
+  return r;
 }
 
-// The pose of the board in a view: R and t of p_C = R p_B + t.
+// The pose of the board in a view: r and t of p_C = r p_B + t.
 template <typename T>
 void PlaceBoard(const TurningState& state, const ModelView& view, const T* step, const T& deviation,
-                Matrix3<T>& R, Vector3<T>& t) {
+                Matrix3<T>& r, Vector3<T>& t) {
   const Eigen::Matrix<double, 3, 2> across = AcrossAxis(state.u);
   const auto by = [&across](const Vector3d& from, const T* coordinates) {
     return (from.cast<T>() + across.col(0).cast<T>() * coordinates[0] +
@@ -48,7 +48,7 @@ void PlaceBoard(const TurningState& state, const ModelView& view, const T* step,
   const T backlash = state.backlash + step[kBacklash];
   const T theta = scale * (view.angle + (0.5 * view.approach) * backlash) + deviation;
   const Matrix3<T> turn = RotationOf<T>(u * theta);
-  R = turn * (RotationOf<T>(w) * state.X_CB.rotation.cast<T>());
+  r = turn * (RotationOf<T>(w) * state.X_CB.rotation.cast<T>());
   t = a + turn * (state.X_CB.translation.cast<T>() + d - a);
 }
 
@@ -94,13 +94,13 @@ class ViewCost final : public ceres::CostFunction {
     std::array<Jet, kParameters> step;
     for (int i = 0; i < kParameters; ++i)
       step[static_cast<std::size_t>(i)] = Jet(parameters[0][i], i);
-    Matrix3<Jet> R;
+    Matrix3<Jet> r;
     Vector3<Jet> t;
-    PlaceBoard<Jet>(state_, view_, step.data(), Jet(parameters[1][0], kParameters), R, t);
+    PlaceBoard<Jet>(state_, view_, step.data(), Jet(parameters[1][0], kParameters), r, t);
     std::vector<Vector3<Jet>> p_C;
     std::vector<Vector3d> values;
     for (const ModelPoint& point : view_.points) {
-      p_C.push_back(R * point.p_B.cast<Jet>() + t);
+      p_C.push_back(r * point.p_B.cast<Jet>() + t);
       values.emplace_back(p_C.back()[0].a, p_C.back()[1].a, p_C.back()[2].a);
     }
     std::vector<Vector2d> pixels;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/aruco.hpp>
 #include <optional>
+#include <ranges>
 
 #include "base/format.h"
 #include "calib/calibrate/board/homography.h"
@@ -64,9 +65,9 @@ std::optional<Fit> TakeBoard(std::vector<SeenMarker>& seen, const Board& board) 
   }
   if (best.empty()) return std::nullopt;
   std::sort(best.begin(), best.end());
-  for (auto i = best.rbegin(); i != best.rend(); ++i) {
-    fit.markers.push_back(seen[*i]);
-    seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(*i));
+  for (const std::size_t i : best | std::views::reverse) {
+    fit.markers.push_back(seen[i]);
+    seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(i));
   }
   return fit;
 }

@@ -15,6 +15,7 @@ namespace {
 constexpr double kDifferentDeg = 5.0;  // angles that tell the axis
 constexpr double kWorstNoise = 3.0;    // pixels; no detector and no lens is so bad
 constexpr double kFewestUsed = 0.6;    // of the points
+constexpr double kStandsOut = 3.0;     // sigmas
 // What is left unexplained: likely by chance, or this share of all.
 constexpr double kLeftChance = 1e-3, kLeftShare = 0.02;
 constexpr double kSomeChance = 0.05;  // beyond it a cause is none
@@ -225,6 +226,25 @@ void AddRemarks(const Trial& trial, DriftReport& report) {
         "one picture hardly tells the camera from the target: take two more, at other angles");
 }
 
+// Whether anything that the finding says is beyond what its sigma allows.
+bool StandsOut(const Finding& finding) {
+  return std::any_of(finding.quantities.begin(), finding.quantities.end(),
+                     [](const Quantity& quantity) {
+                       return std::abs(quantity.value) > kStandsOut * quantity.sigma;
+                     });
+}
+
+// Small systematic errors of outlines add up to what is unlikely, and say nothing that is known.
+void TakeBack(const Trial& trial, DriftReport& report) {
+  report.remarks.push_back(
+      Format("all deviations together are unlikely by chance (%.2g), but nothing stands out: no "
+             "length or angle is beyond %g sigmas",
+             report.found.chance, kStandsOut));
+  report.found = {};
+  report.why = WhyBlind(trial, report);
+  report.verdict = report.why.empty() ? Verdict::kStillTrue : Verdict::kCannotTell;
+}
+
 DriftReport Check(Trial trial) {
   DriftReport report;
   report.length_unit = trial.stored.length_unit;
@@ -246,6 +266,7 @@ DriftReport Check(Trial trial) {
   if (report.why.empty() && !drifted) report.why = WhyBlind(trial, report);
   if (report.why.empty()) report.verdict = drifted ? Verdict::kDrifted : Verdict::kStillTrue;
   if (report.verdict == Verdict::kDrifted) FindCauses(trial, nothing, all, report);
+  if (report.verdict == Verdict::kDrifted && !StandsOut(report.found)) TakeBack(trial, report);
   const HypothesisFit as_it_is =
       FitHypothesis(trial.sights, {{}, false}, trial.nuisances, trial.sifted);
   SetPixels(trial, as_it_is,
@@ -299,7 +320,7 @@ Result<DriftReport> CheckWithOutlines(const rig::RigCalibration& calibration,
   return Check({*sights,
                 calibration,
                 {kCauses.begin(), kCauses.end()},
-                {options.angle_sigma_deg, options.edge_offset_sigma, options.common_shift_sigma},
+                {options.angle_sigma_deg, options.edge_offset_sigma, options.shading_sigma},
                 {}});
 }
 

@@ -32,9 +32,9 @@ namespace turnlight::calib::calibrate::drift {
 inline constexpr double kFalseAlarms = 0.01;
 
 struct DriftOptions {
-  double angle_sigma_deg = 0.05;     // of where the table is at each view
-  double edge_offset_sigma = 0.2;    // pixels, of outlines: blur and shading
-  double common_shift_sigma = 0.03;  // pixels, of outlines: as placement.h has it
+  double angle_sigma_deg = 0.05;   // of where the table is at each view
+  double edge_offset_sigma = 0.2;  // pixels, of outlines: blur and shading
+  double shading_sigma = 0.1;      // pixels, of each harmonic of what all outlines have alike
 };
 
 // A length of a vector, or a number with its sign, with its sigma: that of the pictures and of the

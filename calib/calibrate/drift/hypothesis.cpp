@@ -27,16 +27,33 @@ constexpr double kPixelStep = 0.01;   // of an intrinsic whose sigma is not know
 constexpr double kSmallStep = 0.1;    // of one whose sigma is, in sigmas
 constexpr int kSiftings = 3;
 
-// Numbers that pictures depend on: a step of the rig, then the edge offset, the common shift and a
-// deviation of each view's angle in degrees.
+// What shading does to outlines is much the same in all views, as the lights stay: a function of
+// the outline's direction in the picture, by its first harmonics. The first is a shift of all
+// pictures.
+constexpr Index kHarmonics = 4;
+
+// Numbers that pictures depend on: a step of the rig, then the edge offset, cosine and sine of each
+// harmonic, and a deviation of each view's angle in degrees.
 struct Numbers {
-  Index edge, shift, deviation, size;
+  Index edge, harmonics, deviation, size;
   Numbers(const Layout& layout, std::size_t views)
       : edge(layout.size),
-        shift(edge + 1),
-        deviation(shift + 2),
+        harmonics(edge + 1),
+        deviation(harmonics + 2 * kHarmonics),
         size(deviation + static_cast<Index>(views)) {}
 };
+
+using Harmonics = Eigen::Matrix<double, 2 * kHarmonics, 1>;
+
+// At a point's normal.
+Harmonics HarmonicsAt(const Eigen::Vector2d& normal) {
+  const double angle = std::atan2(normal.y(), normal.x());
+  Harmonics at;
+  for (Index k = 1; k <= kHarmonics; ++k)
+    at.segment<2>(2 * (k - 1)) << std::cos(static_cast<double>(k) * angle),
+        std::sin(static_cast<double>(k) * angle);
+  return at;
+}
 
 // The unknowns, each with mean 0 and sigma 1, and how they move the numbers: first the drift.
 struct Unknowns {
@@ -64,9 +81,9 @@ Unknowns UnknownsOf(const Sights& sights, const Hypothesis& hypothesis, const Nu
   const auto one = [](double sigma) { return MatrixXd::Constant(1, 1, sigma); };
   if (sights.edges && nuisances.edge_offset > 0.0)
     Append(one(nuisances.edge_offset), numbers.edge, unknowns.moves);
-  if (nuisances.common_shift > 0.0)
-    for (Index i = 0; i < 2; ++i)
-      Append(one(nuisances.common_shift), numbers.shift + i, unknowns.moves);
+  if (sights.edges && nuisances.shading > 0.0)
+    for (Index i = numbers.harmonics; i < numbers.deviation; ++i)
+      Append(one(nuisances.shading), i, unknowns.moves);
   if (nuisances.angle_deg > 0.0)
     for (Index v = numbers.deviation; v < numbers.size; ++v)
       Append(one(nuisances.angle_deg), v, unknowns.moves);
@@ -87,7 +104,8 @@ Evaluated Evaluate(const Sights& sights, const Layout& layout, const Numbers& nu
         values[numbers.deviation + static_cast<Index>(v)] / at.rig.geometry.angle_scale;
   at.residuals = sights.residuals(at.rig, at.views, values[numbers.edge]);
   for (placement::Residual& residual : at.residuals) {
-    residual.value -= residual.normal.dot(values.segment<2>(numbers.shift));
+    residual.value -=
+        HarmonicsAt(residual.normal).dot(values.segment<2 * kHarmonics>(numbers.harmonics));
     if (!residual.valid || !std::isfinite(residual.value)) {
       residual.valid = false;
       residual.value = std::max(sights.reach, kLeastReach);
@@ -143,7 +161,7 @@ MatrixXd Linearise(const Evaluated& at, const Layout& layout, const Numbers& num
     const placement::Row object = placement::ParameterRow(residual, state, X_CA[residual.view]);
     by.block<1, 6>(row, layout.object) = object.head<6>();
     by(row, numbers.edge) = object[placement::kEdgeOffset];
-    by.block<1, 2>(row, numbers.shift) = -residual.normal.transpose();
+    by.block<1, 2 * kHarmonics>(row, numbers.harmonics) = -HarmonicsAt(residual.normal).transpose();
     by(row, numbers.deviation + static_cast<Index>(residual.view)) = by(row, layout.angle_offset);
   }
   return by;

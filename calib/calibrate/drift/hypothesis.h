@@ -13,9 +13,11 @@ namespace turnlight::calib::calibrate::drift {
 
 // What the pictures have that is no drift; sigmas.
 struct Nuisances {
-  double angle_deg = 0.05;    // of the table at each view
-  double edge_offset = 0.2;   // pixels, of outlines: blur and shading
-  double common_shift = 0.0;  // pixels per axis, of all points of all pictures alike
+  double angle_deg = 0.05;   // of the table at each view
+  double edge_offset = 0.2;  // pixels, of outlines: blur and shading
+  // Pixels, of outlines: what shading does alike in all views, for each of its harmonics over the
+  // outline's direction in the picture.
+  double shading = 0.0;
 };
 
 struct Hypothesis {

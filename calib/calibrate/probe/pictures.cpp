@@ -100,7 +100,7 @@ void AddToSky(const BallView& view, const cv::Mat& radiance, cv::Mat1d& sum, cv:
       const int x = std::min(
           sum.cols - 1, static_cast<int>((azimuth < 0.0 ? azimuth + 1.0 : azimuth) * sum.cols));
       const int y = std::min(sum.rows - 1, static_cast<int>(zenith * sum.rows));
-      const cv::Vec3f value = picture(row, column);
+      const cv::Vec3f& value = picture(row, column);
       const double grey = (value[0] + value[1] + value[2]) / 3.0;
       if (!std::isfinite(grey)) continue;
       sum(y, x) += grey;

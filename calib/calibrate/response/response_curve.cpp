@@ -192,8 +192,8 @@ Fit FitModel(const Data& data, const Model& model, const std::string& name) {
   out.trial.name = name;
   out.trial.chi = std::sqrt(out.solution.residuals.head(n).squaredNorm() / freedom);
   const Compared compared = Compare(data, out.radiometry);
-  for (std::size_t i = 0; i < compared.deviation.size(); ++i)
-    out.trial.worst = std::max(out.trial.worst, std::abs(compared.deviation[i]));
+  for (const double deviation : compared.deviation)
+    out.trial.worst = std::max(out.trial.worst, std::abs(deviation));
   return out;
 }
 
