@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <ranges>
 #include <type_traits>
 #include <vector>
 
@@ -215,7 +214,7 @@ void EncodeRows(const cv::Mat& radiance, const Radiometry& radiometry, double fa
 
 double Vignetting::Share(double q) const {
   double sum = 0.0;
-  for (const double c : coefficients | std::views::reverse) sum = (sum + c) * q;
+  for (std::size_t i = coefficients.size(); i-- > 0;) sum = (sum + coefficients[i]) * q;
   return 1.0 + sum;
 }
 

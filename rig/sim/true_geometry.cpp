@@ -6,6 +6,7 @@
 
 #include "base/angles.h"
 #include "base/random.h"
+#include "rig/sim/studio.h"
 
 namespace turnlight::rig::sim {
 namespace {

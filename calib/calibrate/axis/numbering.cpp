@@ -32,9 +32,9 @@ Eigen::Matrix3d SeenRotation(const TurningView& view, const std::vector<Pose>& t
   return view.X_CB[tilt].rotation * turns[turn].rotation;
 }
 
-// The angle about u of the rotation about u that is nearest to R.
-double TwistAngle(const Eigen::Matrix3d& R, const Eigen::Vector3d& u) {
-  const Eigen::Quaterniond q(R);
+// The angle about u of the rotation about u that is nearest to this one.
+double TwistAngle(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& u) {
+  const Eigen::Quaterniond q(rotation);
   return Wrapped(2.0 * std::atan2(q.vec().dot(u), q.w()));
 }
 
@@ -52,12 +52,13 @@ TurningBoard::Choice Choose(const TurningView& view, const std::vector<Pose>& tu
   double least = kOff;
   for (std::size_t turn = 0; turn < turns.size(); ++turn)
     for (std::size_t tilt = 0; tilt < view.X_CB.size(); ++tilt) {
-      const Eigen::Matrix3d R = SeenRotation(view, turns, turn, tilt) * R_CB.transpose();
-      const double off = Eigen::AngleAxisd(R * Turn(u, -expected).rotation).angle();
+      const Eigen::Matrix3d turned = SeenRotation(view, turns, turn, tilt) * R_CB.transpose();
+      const double off = Eigen::AngleAxisd(turned * Turn(u, -expected).rotation).angle();
       best.off_deg = best.off_deg == 0.0 ? RadToDeg(off) : std::min(best.off_deg, RadToDeg(off));
       if (!(off < least)) continue;
       least = off;
-      best = {turn, tilt, expected + Wrapped(TwistAngle(R, u) - expected), RadToDeg(off), true};
+      best = {turn, tilt, expected + Wrapped(TwistAngle(turned, u) - expected), RadToDeg(off),
+              true};
     }
   return best;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <opencv2/aruco.hpp>
 #include <optional>
-#include <ranges>
 
 #include "base/format.h"
 #include "calib/calibrate/board/homography.h"
@@ -65,9 +64,9 @@ std::optional<Fit> TakeBoard(std::vector<SeenMarker>& seen, const Board& board) 
   }
   if (best.empty()) return std::nullopt;
   std::sort(best.begin(), best.end());
-  for (const std::size_t i : best | std::views::reverse) {
-    fit.markers.push_back(seen[i]);
-    seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(i));
+  for (std::size_t i = best.size(); i-- > 0;) {  // the last first, so that places stay
+    fit.markers.push_back(seen[best[i]]);
+    seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(best[i]));
   }
   return fit;
 }

@@ -18,13 +18,13 @@ std::string Lower(std::string text) {
 
 // In the order of cv::aruco::PREDEFINED_DICTIONARY_NAME.
 const std::vector<std::string>& MarkerDictionaryNames() {
-  static const std::vector<std::string> names = {
+  static const std::vector<std::string> kNames = {
       "4X4_50",        "4X4_100",        "4X4_250",       "4X4_1000",      "5X5_50",
       "5X5_100",       "5X5_250",        "5X5_1000",      "6X6_50",        "6X6_100",
       "6X6_250",       "6X6_1000",       "7X7_50",        "7X7_100",       "7X7_250",
       "7X7_1000",      "ARUCO_ORIGINAL", "APRILTAG_16h5", "APRILTAG_25h9", "APRILTAG_36h10",
       "APRILTAG_36h11"};
-  return names;
+  return kNames;
 }
 
 Result<cv::Ptr<cv::aruco::Dictionary>> FindMarkerDictionary(const std::string& name) {

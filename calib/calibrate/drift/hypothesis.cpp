@@ -205,19 +205,19 @@ struct Minimum {
 // The weighted problem at a point.
 struct Linear {
   VectorXd weights;
-  MatrixXd A;
+  MatrixXd weighted;  // residuals by unknowns
   VectorXd gradient;
 };
 
 Linear LineariseAt(const Minimum& now, const Layout& layout, const Numbers& numbers,
                    const Unknowns& unknowns, const Sifted& sifted) {
   Linear linear{RootWeights(now.at.residuals, sifted), {}, {}};
-  VectorXd weighted(linear.weights.size());
-  for (Index i = 0; i < weighted.size(); ++i)
-    weighted[i] = linear.weights[i] * now.at.residuals[static_cast<std::size_t>(i)].value;
-  linear.A =
+  VectorXd sizes(linear.weights.size());
+  for (Index i = 0; i < sizes.size(); ++i)
+    sizes[i] = linear.weights[i] * now.at.residuals[static_cast<std::size_t>(i)].value;
+  linear.weighted =
       linear.weights.asDiagonal() * (Linearise(now.at, layout, numbers) * unknowns.moves).eval();
-  linear.gradient = linear.A.transpose() * weighted + now.unknowns;
+  linear.gradient = linear.weighted.transpose() * sizes + now.unknowns;
   return linear;
 }
 
@@ -230,7 +230,7 @@ Minimum Minimise(const Sights& sights, const Layout& layout, const Numbers& numb
   double damping = kFirstDamping;
   for (int steps = 0;; ++steps) {
     const Linear linear = LineariseAt(now, layout, numbers, unknowns, sifted);
-    now.information = linear.A.transpose() * linear.A;
+    now.information = linear.weighted.transpose() * linear.weighted;
     now.misfit = MisfitOf(now.at.residuals, linear.weights, now.unknowns);
     if (steps == kMostSteps) return now;
     const MatrixXd normal = now.information + MatrixXd::Identity(count, count);

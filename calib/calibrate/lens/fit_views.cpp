@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <ranges>
 
 #include "base/format.h"
 #include "base/statistics.h"
@@ -164,7 +163,8 @@ Result<ViewsFit> FitViews(const std::array<int, 2>& image_size, const board::Boa
     result.pass = fit->pass;
     if (bad.empty() || round == kMaxRounds || result.used.size() < bad.size() + kLeastViews)
       return result;
-    for (const std::size_t view : bad | std::views::reverse) {
+    for (std::size_t i = bad.size(); i-- > 0;) {  // the last first, so that places stay
+      const std::size_t view = bad[i];
       result.dropped.push_back(
           {result.used[view],
            Format("does not fit: its points lie %.3g px off, the median view's %.3g px",
