@@ -172,7 +172,7 @@ TEST_F(Register, WhatCannotBeIsRefused) {
   refused({picture}, {"--board", "9x6", "--square-mm", "12", "--sphere", "20", "--encoding", "log"},
           "--encoding: log, allowed is linear, srgb or a gamma");
   refused({picture}, {"--board", "7x5", "--square-mm", "12", "--sphere", "20"},
-          "no picture could be registered");
+          "is it --board 9x6?");
   refused({picture}, {"--corners", folder_ / "none.yaml", "--board", "9x6"}, "--corners: ");
   refused({}, {"--corners", folder_ / "none.yaml"}, "none.yaml");
 }

@@ -124,7 +124,7 @@ TEST(CalibrateCheck, RefusesABoardOfAnotherRig) {
                                    scene.folder / "size.json", "--board", "5x4", "--square-mm",
                                    "12", "--out", scene.folder / "none"});
   EXPECT_EQ(none.exit_code, 2) << none.err;
-  EXPECT_THAT(none.err, HasSubstr("no view shows the board"));
+  EXPECT_THAT(none.err, HasSubstr("is it --board 7x6?"));
   scene.rig.devices.camera.serial = "another";
   const Outcome other = scene.Check("other");
   EXPECT_EQ(other.exit_code, 2);
