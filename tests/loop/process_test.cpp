@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -17,6 +18,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "tests/app/program.h"
 
@@ -73,6 +75,18 @@ class SimulatorProcess {
 };
 
 // Copies of a rig's two configs with a port and an address of their own, eight small frames.
+// Opens pseudo-terminals until one has this name, or somebody else has it: programs beside this one
+// free others.
+std::vector<int> TakeNamesUpTo(const fs::path& name) {
+  std::vector<int> taken;
+  for (int i = 0; i < 64; ++i) {
+    taken.push_back(::posix_openpt(O_RDWR | O_NOCTTY));
+    const char* opened = ::ptsname(taken.back());
+    if (opened != nullptr && name == opened) break;
+  }
+  return taken;
+}
+
 class LoopProcess : public testing::Test {
  protected:
   void Write(const std::string& firmware) {
@@ -186,11 +200,11 @@ TEST_P(LoopProcessOf, ASimulatorKilledInMidCaptureEndsItInTimeAndItResumes) {
   RecordProperty("seconds_to_the_end", std::to_string(after.count()));
   EXPECT_GE(JournalLines(out_), 4u);
   EXPECT_THAT(ReadText(out_ + ".err"), HasSubstr("the others are safe; turnlight resume"));
-  const int names_taken = ::posix_openpt(O_RDWR | O_NOCTTY);  // the one that came free
+  const std::vector<int> taken = TakeNamesUpTo(port);
   const SimulatorProcess anew(sim_, folder_ / "anew");
   EXPECT_NE(fs::read_symlink(folder_ / "port"), port);
   ExpectResumeCompletes(out_);
-  ::close(names_taken);
+  for (const int terminal : taken) ::close(terminal);
 }
 
 TEST_P(LoopProcessOf, ACaptureKilledResumes) {
