@@ -296,7 +296,7 @@ std::string ShowPair(int a, int b) { return std::to_string(a) + " x " + std::to_
 }  // namespace
 
 Result<RigCalibration> ReadRigCalibration(const fs::path& path) {
-  const auto text = ReadFile(path, kMaxFileBytes);
+  const auto text = ReadTypedFile(path, kMaxFileBytes);
   if (!text) return Forward(text);
   const auto document = ParseJson(*text, path.string());
   if (!document) return Forward(document);

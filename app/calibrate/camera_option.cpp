@@ -48,8 +48,11 @@ Result<CalibratedLens> ReadCalibratedLens(const fs::path& path) {
   std::error_code code;
   const bool folder = fs::is_directory(path, code);
   const fs::path file = folder ? path / "camera.cameramodel" : path;
-  const auto text = ReadFile(file, kMaxLensBytes);
-  if (!text) return InputError("--camera: " + text.error().text);
+  const auto text = ReadTypedFile(file, kMaxLensBytes);
+  if (!text)
+    return InputError("--camera: " + text.error().text +
+                      "; allowed is the folder that turnlight calibrate intrinsics wrote, or a "
+                      ".cameramodel");
   auto camera = calib::CameraModel::FromString(*text, file.string());
   if (!camera) return Forward(camera);
   CalibratedLens lens{std::move(*camera), {}};

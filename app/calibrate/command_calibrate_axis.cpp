@@ -6,6 +6,7 @@
 #include <system_error>
 #include <vector>
 
+#include "app/calibrate/axis_parts.h"
 #include "app/calibrate/board_options.h"
 #include "app/calibrate/calibrate_commands.h"
 #include "app/calibrate/camera_option.h"
@@ -29,8 +30,6 @@ namespace fs = std::filesystem;
 namespace axis = calib::calibrate::axis;
 namespace board = calib::calibrate::board;
 
-// Of a lens with more intrinsics the file would be larger than a person wants to open.
-constexpr std::size_t kMostIntrinsicsInFile = 64;
 constexpr double kSamePlaceDeg = 0.05;  // a table that stays is read with noise
 
 struct AxisArguments {
@@ -99,25 +98,6 @@ Result<rig::RigCalibration> BeginCalibration(const fs::path& path, const Turning
   return calibration;
 }
 
-void PutAxis(const axis::AxisCalibration& axis, const CalibratedLens& lens,
-             rig::RigCalibration& calibration) {
-  calibration.geometry = {};
-  calibration.geometry.X_WC = axis.X_WC;
-  calibration.geometry.angle_scale = axis.angle_scale;
-  calibration.target_placed = false;
-  rig::MarkFound(calibration, {"X_WC", "X_WA", "angle_scale", "angle_offset"});
-  rig::CalibrationCovariances& known = calibration.covariances;
-  known.X_WC = axis.covariance.topLeftCorner(6, 6);
-  known.X_WA = Eigen::MatrixXd::Zero(6, 6);  // by choice of W
-  known.angle_scale = axis.covariance.bottomRightCorner(1, 1);
-  known.angle_offset = Eigen::MatrixXd::Zero(1, 1);
-  known.joint = rig::JointCovariance{{"X_WC", "angle_scale"}, axis.covariance};
-  if (!axis.joint_covariance || lens.camera.intrinsics().size() > kMostIntrinsicsInFile) return;
-  known.camera_model = lens.covariance;
-  known.joint =
-      rig::JointCovariance{{"camera_model", "X_WC", "angle_scale"}, *axis.joint_covariance};
-}
-
 // Beside the calibration, named after it.
 Status WriteAxisPictures(const axis::AxisCalibration& axis,
                          const std::vector<axis::AxisView>& views, const board::Board& board,
@@ -154,7 +134,7 @@ Status CalibrateAndWrite(const AxisArguments& arguments) {
   options.intrinsics_covariance = lens->covariance;
   const auto axis = axis::CalibrateAxis(*board, lens->camera, *views, options);
   if (!axis) return Forward(axis);
-  PutAxis(*axis, *lens, *calibration);
+  PutAxis(*axis, lens->covariance, *calibration);
   if (!arguments.lens_note.empty()) calibration->devices.lens = arguments.lens_note;
   if (const Status status = MakeDirectory(out.parent_path()); !status) return status;
   if (const Status status = WriteAxisPictures(*axis, *views, *board, out); !status) return status;

@@ -92,7 +92,8 @@ Result<std::vector<fs::path>> ListPictures(const std::vector<std::string>& argum
   for (const std::string& argument : arguments) {
     std::error_code error;
     const auto status = fs::status(argument, error);
-    if (!fs::exists(status)) return InputError(argument + ": no such file or folder");
+    if (!fs::exists(status))
+      return InputError(argument + ": no such file or folder" + NearestPath(argument));
     if (!fs::is_directory(status)) {
       pictures.emplace_back(argument);
       continue;

@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "app/calibrate/axis_parts.h"
+#include "app/calibrate/outline_pictures.h"
 #include "app/calibrate/raw_taking.h"
-#include "app/calibrate/target_pictures.h"
 #include "app/progress.h"
 #include "base/file.h"
 #include "base/format.h"
@@ -19,7 +20,6 @@
 #include "calib/calibrate/lens/lens_json.h"
 #include "calib/calibrate/lens/pictures.h"
 #include "calib/calibrate/placement/report.h"
-#include "calib/calibrate/placement/view_of_picture.h"
 #include "calib/calibrate/response/response_pictures.h"
 #include "rig/session/image_file.h"
 #include "rig/session/raw_capture.h"
@@ -34,9 +34,6 @@ namespace lens = calib::calibrate::lens;
 namespace placement = calib::calibrate::placement;
 namespace response = calib::calibrate::response;
 
-// Of a lens with more intrinsics the file would be larger than a person wants to open.
-constexpr std::size_t kMostIntrinsicsWritten = 64;
-constexpr std::size_t kShownViews = 6;
 // A flat field is judged where it is bright and far from full.
 constexpr double kBrightestFlat = 0.85;
 
@@ -184,51 +181,15 @@ std::optional<axis::Approach> ApproachOf(const rig::CapturePlan& plan) {
                                                     : axis::Approach::kFalling;
 }
 
-rig::RigCalibration Combine(const RigWork& work, const rig::RawCapture& capture,
-                            const lens::LensCalibration& found, const axis::AxisCalibration& axis) {
-  rig::RigCalibration calibration(found.camera());
+// All but the axis.
+rig::RigCalibration BeginCalibration(const RigWork& work, const rig::RawCapture& capture,
+                                     const calib::CameraModel& camera) {
+  rig::RigCalibration calibration(camera);
   calibration.length_unit = work.recipe.length_unit;
-  calibration.geometry.X_WC = axis.X_WC;
-  calibration.geometry.angle_scale = axis.angle_scale;
-  calibration.target_placed = false;
   calibration.radiometry = capture.radiometry;
   calibration.devices = capture.devices;
   calibration.devices.lens = work.recipe.lens_note;
-  rig::MarkFound(calibration, {"X_WC", "X_WA", "angle_scale", "angle_offset"});
-  rig::CalibrationCovariances& known = calibration.covariances;
-  known.X_WC = axis.covariance.topLeftCorner(6, 6);
-  known.X_WA = Eigen::MatrixXd::Zero(6, 6);  // by choice of W
-  known.angle_scale = axis.covariance.bottomRightCorner(1, 1);
-  known.angle_offset = Eigen::MatrixXd::Zero(1, 1);
-  known.joint = rig::JointCovariance{{"X_WC", "angle_scale"}, axis.covariance};
-  const auto count = static_cast<Eigen::Index>(found.camera().intrinsics().size());
-  if (!axis.joint_covariance || found.camera().intrinsics().size() > kMostIntrinsicsWritten)
-    return calibration;
-  known.camera_model = found.uncertainty.covariance().topLeftCorner(count, count);
-  known.joint =
-      rig::JointCovariance{{"camera_model", "X_WC", "angle_scale"}, *axis.joint_covariance};
   return calibration;
-}
-
-struct TargetViews {
-  std::vector<placement::View> views;
-  std::vector<cv::Mat> shown;
-};
-
-Result<TargetViews> LookAtTarget(const TargetPictures& pictures) {
-  const std::size_t count = pictures.frames.size();
-  const std::size_t every = (count + kShownViews - 1) / kShownViews;
-  TargetViews seen;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto read = pictures.read(i);
-    if (!read) return Forward(read);
-    auto view =
-        placement::ViewOfPicture(*read, pictures.frames[i].angle_deg, pictures.frames[i].label);
-    if (!view) return Forward(view);
-    seen.shown.push_back(i % every == 0 ? read->lit : cv::Mat());
-    seen.views.push_back(std::move(view->view));
-  }
-  return seen;
 }
 
 }  // namespace
@@ -328,7 +289,8 @@ Result<AxisFound> FindAxis(const RigWork& work, const LensFound& lens_found,
       lens_found.calibration.uncertainty.covariance().topLeftCorner(count, count);
   auto found = axis::CalibrateAxis(work.recipe.board, camera, views, options);
   if (!found) return Forward(found);
-  rig::RigCalibration calibration = Combine(work, *capture, lens_found.calibration, *found);
+  rig::RigCalibration calibration = BeginCalibration(work, *capture, camera);
+  PutAxis(*found, options.intrinsics_covariance, calibration);
   if (response_found)
     if (Status status = response::ApplyResponse(*response_found, calibration); !status)
       return Forward(status);
@@ -356,7 +318,7 @@ Result<TargetFound> FindTarget(const RigWork& work, const AxisFound& axis_found)
   if (!capture) return Forward(capture);
   const auto pictures = TargetPicturesOf(*capture, axis_found.calibration, {});
   if (!pictures) return Forward(pictures);
-  const auto seen = LookAtTarget(*pictures);
+  const auto seen = FindOutlines(*pictures, {});
   if (!seen) return Forward(seen);
   placement::PlacementOptions options;
   options.upright = std::holds_alternative<calib::MeshShape>(work.recipe.shape);

@@ -142,6 +142,18 @@ rig::sim::SyntheticConfig SmallConfig() {
   return config;
 }
 
+rig::sim::SyntheticConfig BallOnTableConfig(int frames) {
+  rig::sim::SyntheticConfig config = SmallConfig();
+  config.motion = {rig::sim::MotionKind::kTable, frames, 360.0 / frames, 420.0, 30.0, 0.0};
+  config.camera.width = 320;
+  config.camera.height = 240;
+  config.camera.focal_px = 520.0;
+  config.target = calib::SphereShape{40.0};
+  config.sensor.noise_relative = 0.002;
+  config.reflectance = rig::sim::RandomReflectance{.ambient = {0.3, 0.4}};
+  return config;
+}
+
 void WriteSession(const rig::sim::SyntheticConfig& config, const std::filesystem::path& folder) {
   const auto report = rig::sim::WriteSynthetic(config, folder);
   ASSERT_TRUE(report) << report.error().text;

@@ -51,6 +51,8 @@ std::string OwnAddress();
 
 // A small noiseless config: a ball under one near light, three views of 80 x 60 pixels, 16 bits.
 rig::sim::SyntheticConfig SmallConfig();
+// A ball of 40 mm in the middle of a table that turns once round, 320 x 240 pixels, no masks.
+rig::sim::SyntheticConfig BallOnTableConfig(int frames);
 
 // configs/simulated_orbit.yaml with three frames of 64 x 48 pixels.
 std::string SmallRunConfig();

@@ -87,8 +87,10 @@ Status ReadCard(StrictObject object, const fs::path& folder, std::optional<GreyC
 Result<ResponseList> ReadResponseList(const fs::path& path) {
   const auto file = FindList(path);
   if (!file) return Forward(file);
-  const auto text = ReadFile(*file, kMaxListBytes);
-  if (!text) return Forward(text);
+  const auto text = ReadTypedFile(*file, kMaxListBytes);
+  if (!text)
+    return InputError(text.error().text +
+                      "; allowed is a raw capture, or response.yaml or the folder that holds it");
   const auto document = ParseYaml(*text, file->string());
   if (!document) return Forward(document);
   StrictObject object(*document);

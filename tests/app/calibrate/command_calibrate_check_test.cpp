@@ -139,15 +139,7 @@ struct BallScene {
   rig::RigCalibration rig = Written();
 
   rig::RigCalibration Written() const {
-    rig::sim::SyntheticConfig config = SmallConfig();
-    config.motion = {rig::sim::MotionKind::kTable, 4, 90.0, 420.0, 30.0, 0.0};
-    config.camera.width = 320;
-    config.camera.height = 240;
-    config.camera.focal_px = 520.0;
-    config.target = calib::SphereShape{40.0};
-    config.sensor.noise_relative = 0.002;
-    config.reflectance = rig::sim::RandomReflectance{.ambient = {0.3, 0.4}};
-    WriteSession(config, session);
+    WriteSession(BallOnTableConfig(4), session);
     const auto taken = rig::ReadSession(session);
     rig::RigCalibration rig(*taken->camera);
     rig.geometry.X_WC = taken->frames[0].X_WC;

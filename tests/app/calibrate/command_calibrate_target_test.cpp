@@ -29,17 +29,9 @@ struct Scene {
   std::string session = (folder.path() / "session").string();
   std::string calibration = (folder.path() / "axis" / "rig-calibration.json").string();
   std::string out = (folder.path() / "target").string();
-  rig::sim::SyntheticConfig config = SmallConfig();
 
   Scene() {
-    config.motion = {rig::sim::MotionKind::kTable, 6, 60.0, 420.0, 30.0, 0.0};
-    config.camera.width = 320;
-    config.camera.height = 240;
-    config.camera.focal_px = 520.0;
-    config.target = calib::SphereShape{40.0};
-    config.sensor.noise_relative = 0.002;
-    config.reflectance = rig::sim::RandomReflectance{.ambient = {0.3, 0.4}};
-    WriteSession(config, session);
+    WriteSession(BallOnTableConfig(6), session);
     WriteCalibration("mm");
   }
 
