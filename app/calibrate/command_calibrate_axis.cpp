@@ -16,6 +16,7 @@
 #include "app/output_folder.h"
 #include "app/progress.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "calib/calibrate/axis/axis_report.h"
 #include "calib/calibrate/axis/calibrate_axis.h"
 #include "calib/calibrate/board/detect_boards.h"
