@@ -298,6 +298,18 @@ CameraModel CameraModel::WithIntrinsics(std::vector<double> intrinsics) const {
   return model;
 }
 
+CameraModel CameraModel::InBlocks(int block) const {
+  CameraModel model = *this;
+  model.width_ = width_ / block;
+  model.height_ = height_ / block;
+  // All lens models begin with fx, fy, cx, cy; the rest is in units without pixels.
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double shift = i < 2 ? 0.0 : 0.5;  // from a corner, not from a pixel's centre
+    model.intrinsics_[i] = (intrinsics_[i] + shift) / block - shift;
+  }
+  return model;
+}
+
 CameraModel CameraModel::Pinhole(int width, int height, double fx, double fy, double cx,
                                  double cy) {
   CameraModel camera;

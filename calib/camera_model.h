@@ -29,6 +29,9 @@ class CameraModel {
   // The same lens model and picture with other intrinsics, as many and finite: a step of a
   // derivative. Nothing is checked.
   CameraModel WithIntrinsics(std::vector<double> intrinsics) const;
+  // The same lens where a pixel is a block of so many pixels a side of this one's, pixels beyond
+  // the last whole block cut off. block is at least 1 and at most the picture's smaller side.
+  CameraModel InBlocks(int block) const;
   static CameraModel Pinhole(int width, int height, double fx, double fy, double cx, double cy);
 
   int width() const { return width_; }

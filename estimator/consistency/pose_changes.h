@@ -1,0 +1,35 @@
+// Ways in which the poses of a session are wrong as a whole, as people get them wrong.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/rig_geometry.h"
+#include "estimator/consistency/explanation.h"
+#include "estimator/consistency/small_views.h"
+#include "estimator/consistency/turning.h"
+
+namespace turnlight::estimator::consistency {
+
+struct PoseChange {
+  std::string code;      // stable, such as "angles-reversed"
+  std::string words;     // "with the angles reversed"
+  std::string question;  // "does the table turn the other way round?"
+  std::vector<calib::RigPoses> poses;  // after the change, of each keyframe
+  std::vector<std::size_t> picture;    // the view whose picture keyframe k's is, after the change
+  double left = 0.0;  // rms that some lights leave of the pictures (Explainer), radiance
+};
+
+// Those of `changes` one after another: each is tried by the explainer, and of each kind what
+// explains the pictures best comes back, best first. angles as FindTurning takes them.
+//
+// Tried: angles reversed, times a factor from 1/3 to 3, with an offset; the pictures in another
+// order: reversed, shifted, sorted as text, shuffled; camera or target poses inverted or with their
+// rotations transposed; other camera axes; lengths in another unit, a radius that is a diameter;
+// the target elsewhere on the table.
+std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
+                                    const Explainer& explainer,
+                                    const std::vector<double>& angles_deg);
+
+}  // namespace turnlight::estimator::consistency

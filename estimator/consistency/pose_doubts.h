@@ -1,0 +1,40 @@
+// Whether keyframes, their poses and a model belong together: which frames do not, and which change
+// of all poses would explain the pictures.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/stop_flag.h"
+#include "estimator/consistency/odd_frames.h"
+#include "estimator/consistency/small_views.h"
+#include "estimator/model/model_choice.h"
+#include "estimator/target/geometry.h"
+
+namespace turnlight::estimator::consistency {
+
+// A change of all poses, or of the pictures' order, that was tried.
+struct TriedChange {
+  std::string code, words, question;
+  double left = 0.0;          // rms that some lights leave (Explainer), radiance
+  std::optional<double> rms;  // that a fit leaves; only of the most promising
+};
+
+struct Consistency {
+  FramesJudged frames;
+  double rms = 0.0;                // what a fit with the poses as they are leaves
+  double left = 0.0;               // and some lights (Explainer)
+  std::vector<TriedChange> tried;  // best first; empty if the frames alone explain what is wrong
+  // What explains the pictures: at most half of the residual is left, of what is seen not less.
+  std::optional<TriedChange> change;
+  // Other changes that the pictures cannot tell from it, as words.
+  std::vector<std::string> alike;
+};
+
+// angles_deg: of each view, or empty. Never empty views. With stop set of no use.
+Consistency CheckConsistency(const SmallViews& views, const std::vector<double>& angles_deg,
+                             const target::Geometry& geometry, const model::ModelChoice& choice,
+                             bool all_changes, const StopFlag* stop);
+
+}  // namespace turnlight::estimator::consistency

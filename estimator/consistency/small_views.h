@@ -1,0 +1,40 @@
+// The keyframes in a few thousand pixels each: enough to tell whether pictures, poses and model
+// belong together, and small enough to keep all of them.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "calib/camera_model.h"
+#include "calib/rig_geometry.h"
+#include "estimator/model/keyframe.h"
+#include "estimator/target/geometry.h"
+
+namespace turnlight::estimator::consistency {
+
+// One keyframe, grey, each pixel the mean over a block of the picture's.
+struct SmallView {
+  cv::Mat1f radiance;
+  cv::Mat1b clipped;  // any pixel of the block was clipped or not finite
+  cv::Mat1b mask;     // all pixels of the block are in the keyframe's mask
+  calib::RigPoses poses;
+};
+
+struct SmallViews {
+  calib::CameraModel camera;  // of the small pictures
+  int block = 1;              // pixels of the picture along a side of a small one's
+  std::vector<SmallView> views;
+};
+
+// The side of the blocks that leaves about 2500 small pixels on a target seen from these poses,
+// and at least 60 rows of them; 1 or more. None of the poses sees it: as if it filled a tenth.
+int BlockFor(const calib::CameraModel& camera, const target::Geometry& geometry,
+             const std::vector<calib::RigPoses>& poses);
+
+// Pixels beyond the last whole block are left out.
+SmallView MakeSmallView(const model::Keyframe& keyframe, int block);
+
+// A small view as a keyframe with these poses.
+model::Keyframe ToKeyframe(const SmallView& view, const calib::RigPoses& poses);
+
+}  // namespace turnlight::estimator::consistency

@@ -1,0 +1,100 @@
+// Proves that one odd frame among twelve, of each kind, is named and told from the others on a
+// lump and on a ball, that two are, and that lamps that drift and clean captures accuse nobody. On
+// a few scenes; consistency_study has many.
+#include "estimator/consistency/odd_frames.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/estimator/consistency/mangled.h"
+
+namespace turnlight::estimator::consistency {
+namespace {
+
+FramesJudged Judged(const Capture& capture) {
+  const target::Geometry geometry(capture.session.target);
+  const SmallViews views = SmallViewsOf(capture, geometry);
+  const calib::RayGrid rays(views.camera);
+  std::vector<model::Keyframe> keyframes;
+  for (const SmallView& view : views.views) keyframes.push_back(ToKeyframe(view, view.poses));
+  return JudgeFrames(views, observe::BuildObservations(keyframes, geometry, rays), geometry, rays,
+                     {}, nullptr);
+}
+
+std::vector<std::size_t> OddOf(const FramesJudged& judged) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < judged.frames.size(); ++k)
+    if (judged.frames[k].odd) out.push_back(k);
+  return out;
+}
+
+struct OddKind {
+  const char* kind;
+  const char* words;  // that its description holds
+};
+
+class OddFrame : public testing::TestWithParam<OddKind> {};
+
+TEST_P(OddFrame, IsNamedOnALump) {
+  Capture capture = Captured(SmallCapture(4, Shape::kLump, 12));
+  MakeOdd(capture, GetParam().kind, 5);
+  const FramesJudged judged = Judged(capture);
+  ASSERT_EQ(OddOf(judged), std::vector<std::size_t>{5});
+  EXPECT_NE(judged.frames[5].what.find(GetParam().words), std::string::npos)
+      << judged.frames[5].what;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, OddFrame,
+    testing::Values(OddKind{"black", "is black"}, OddKind{"dimmed", "only dimmer: 0.6 times"},
+                    OddKind{"turned", "upside down"}, OddKind{"mirrored", "mirrored left to right"},
+                    OddKind{"byte-swapped", "noise"}, OddKind{"stale", "picture of frame 4"},
+                    OddKind{"half", "empty in rows"}, OddKind{"moved", "shifted by about (7, -4)"}),
+    [](const auto& info) {
+      std::string name = info.param.kind;
+      std::erase(name, '-');
+      return name;
+    });
+
+TEST(OddFrames, OnABallAreNamedWhereTheyShow) {
+  Capture capture = Captured(SmallCapture(5, Shape::kSphere, 12));
+  MakeOdd(capture, "stale", 3);  // every frame of a turning ball is the same
+  EXPECT_TRUE(OddOf(Judged(capture)).empty());
+  MakeOdd(capture, "turned", 8);
+  EXPECT_EQ(OddOf(Judged(capture)), std::vector<std::size_t>{8});
+}
+
+TEST(OddFrames, TwoOfTwelveAreNamed) {
+  Capture capture = Captured(SmallCapture(6, Shape::kLump, 12));
+  MakeOdd(capture, "black", 2);
+  MakeOdd(capture, "moved", 9);
+  EXPECT_EQ(OddOf(Judged(capture)), (std::vector<std::size_t>{2, 9}));
+}
+
+TEST(OddFrames, AMaskOfAnotherFrameIsNamed) {
+  Capture capture = Captured(SmallCapture(7, Shape::kLump, 12));
+  GiveMasks(capture);
+  EXPECT_TRUE(OddOf(Judged(capture)).empty());
+  capture.session.frames[4].mask.colRange(0, 58).setTo(0);
+  const FramesJudged judged = Judged(capture);
+  ASSERT_EQ(OddOf(judged), std::vector<std::size_t>{4});
+  EXPECT_NE(judged.frames[4].what.find("mask"), std::string::npos) << judged.frames[4].what;
+}
+
+TEST(OddFrames, ALampThatDriftsAccusesNobody) {
+  for (const bool at_random : {false, true}) {
+    Capture capture = Captured(SmallCapture(8, Shape::kLump, 12));
+    LetLampDrift(capture, 0.05, at_random, 8);
+    const FramesJudged judged = Judged(capture);
+    EXPECT_TRUE(OddOf(judged).empty());
+    EXPECT_NE(judged.frames[0].residual.gain, judged.frames[11].residual.gain);
+  }
+}
+
+TEST(OddFrames, ManyAreNoneOfThem) {
+  Capture capture = Captured(SmallCapture(9, Shape::kLump, 12));
+  for (std::size_t k = 0; k < 6; ++k) MakeOdd(capture, "turned", 2 * k);
+  EXPECT_TRUE(OddOf(Judged(capture)).empty());
+}
+
+}  // namespace
+}  // namespace turnlight::estimator::consistency
