@@ -241,10 +241,10 @@ int RunGraph(Prepared& run, const RunFolder& folder, const fs::path& log = {}) {
 
 // A finished session to its goal. The result is solved from the session's files alone, so that it
 // is the one that `estimate` gives.
-int Finish(const RunFolder& folder, CaptureGoal goal,
+int Finish(const RunFolder& folder, const BegunRun& begun,
            const std::vector<nodes::Estimate>& estimates) {
   const fs::path session = folder.session();
-  if (goal == CaptureGoal::kSession) {
+  if (begun.goal == CaptureGoal::kSession) {
     const auto closure = TellClosure(session);
     if (!closure) return Fail(closure.error());
     std::cout << session.string() << " is complete; turnlight estimate " << session.string()
@@ -259,7 +259,9 @@ int Finish(const RunFolder& folder, CaptureGoal goal,
       status = WriteFileAtomic(folder.result() / "progress.csv", ProgressTable(estimates));
     if (!status) return Fail(status.error());
   }
-  const auto done = WriteEstimate(session, folder.result());
+  WriteOptions options;
+  if (begun.pixels) options.estimate.most_pixels = *begun.pixels;
+  const auto done = WriteEstimate(session, folder.result(), options);
   if (!done) return Fail(done.error());
   std::cout << done->summary << std::flush;
   return ExitCodeOf(done->closure);
@@ -275,7 +277,7 @@ int Capture(const Task& task) {
   } else if (const Status status = run->recorder->Finish(); !status) {
     return FailIn(folder, status.error());
   }
-  return Finish(folder, task.begun.goal, run->display->estimates());
+  return Finish(folder, task.begun, run->display->estimates());
 }
 
 // A replay is of the same config; which part is not, the hashes tell.
@@ -292,8 +294,8 @@ Status CheckSameConfig(const fs::path& log, const std::string& recorded, const R
 }  // namespace
 
 int RunCapture(const fs::path& config, const RunFolder& folder, CaptureGoal goal,
-               const Drivers& drivers) {
-  const BegunRun begun{goal, fs::absolute(config)};
+               const Drivers& drivers, std::optional<std::size_t> pixels) {
+  const BegunRun begun{goal, fs::absolute(config), pixels};
   return Capture({config, folder, Start::kNew, begun, &drivers, {}});
 }
 
@@ -325,7 +327,7 @@ int ReplayCapture(const fs::path& log, const RunFolder& folder, const Drivers& d
   auto run = Prepare({source.config(), folder, Start::kNew, *begun, &drivers, source.session()});
   if (!run) return Fail(run.error());
   const int code = RunGraph(*run, folder, log);
-  return code == kDone ? Finish(folder, begun->goal, run->display->estimates()) : code;
+  return code == kDone ? Finish(folder, *begun, run->display->estimates()) : code;
 }
 
 }  // namespace turnlight::app

@@ -10,9 +10,9 @@
 namespace turnlight::app {
 
 // Ctrl-C once: the keyframe is finished, then everything stops in order; twice: the motor is
-// stopped now.
+// stopped now. pixels: how many the final estimate may hold, by default its own number.
 int RunCapture(const std::filesystem::path& config, const RunFolder& folder, CaptureGoal goal,
-               const Drivers& drivers = BuiltInDrivers());
+               const Drivers& drivers = BuiltInDrivers(), std::optional<std::size_t> pixels = {});
 
 // Goes on with what was begun, to the goal with which it was begun; whatever is there already is
 // kept.

@@ -1,6 +1,7 @@
 #include "app/command.h"
 
 #include "base/parallel.h"
+#include "estimator/from_session/session_estimate.h"
 
 namespace turnlight::app {
 
@@ -24,6 +25,16 @@ void AddOut(CLI::App& command, std::string& out, const std::string& description)
       ->check([](const std::string& folder) {
         return folder.empty() ? std::string("\"\" is no folder's name") : std::string();
       });
+}
+
+void AddPixels(CLI::App& command, std::optional<std::size_t>& pixels) {
+  command
+      .add_option("--pixels", pixels,
+                  "Hold at most N of the target's pixels in memory, evenly chosen (default 20 "
+                  "million); fewer take less memory and time")
+      ->type_name("N")
+      ->check(CLI::Range(estimator::from_session::kFewestPixels,
+                         estimator::from_session::kMostPixelsAllowed));
 }
 
 }  // namespace turnlight::app

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace turnlight::app {
@@ -38,5 +40,8 @@ CLI::App* AddCommand(CLI::App& program, const std::string& name, const std::stri
 
 // --out DIR, required. An empty word, of a shell's variable that is not set, is no folder.
 void AddOut(CLI::App& command, std::string& out, const std::string& description);
+
+// --pixels N of what estimates.
+void AddPixels(CLI::App& command, std::optional<std::size_t>& pixels);
 
 }  // namespace turnlight::app

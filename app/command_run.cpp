@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "app/capture_run.h"
@@ -9,6 +10,7 @@ namespace {
 
 struct RunArguments {
   std::string config, out;
+  std::optional<std::size_t> pixels;
 };
 
 void AddCapturing(CLI::App& program, Action& action, const std::string& name,
@@ -20,9 +22,11 @@ void AddCapturing(CLI::App& program, Action& action, const std::string& name,
   command->add_option("CONFIG", arguments->config, "A YAML file with capture, rig and graph")
       ->required();
   AddOut(*command, arguments->out, "Folder for session, log and result; a new one");
+  if (goal == CaptureGoal::kEstimate) AddPixels(*command, arguments->pixels);
   command->callback([arguments, goal, &action] {
     action = [arguments, goal] {
-      return RunCapture(arguments->config, RunFolder(arguments->out), goal);
+      return RunCapture(arguments->config, RunFolder(arguments->out), goal, BuiltInDrivers(),
+                        arguments->pixels);
     };
   });
 }

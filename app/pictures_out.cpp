@@ -5,16 +5,17 @@
 
 namespace turnlight::app {
 
-Result<std::size_t> WritePictures(const std::vector<estimator::model::Keyframe>& keyframes,
+Result<std::size_t> WritePictures(const estimator::model::KeyframeSource& keyframes,
                                   const estimator::target::Geometry& geometry,
                                   const calib::CameraModel& camera,
                                   const estimator::EstimateOutput& output,
                                   const std::filesystem::path& out) {
   const auto pictures = estimator::pictures::MakePictures(keyframes, geometry, camera, output);
-  for (const estimator::pictures::NamedPicture& picture : pictures)
+  if (!pictures) return Forward(pictures);
+  for (const estimator::pictures::NamedPicture& picture : *pictures)
     if (const Status status = rig::WriteImage(out / picture.name, picture.image); !status)
       return Forward(status);
-  return pictures.size();
+  return pictures->size();
 }
 
 }  // namespace turnlight::app

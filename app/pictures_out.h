@@ -2,18 +2,18 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
 #include "base/result.h"
 #include "calib/camera_model.h"
 #include "estimator/estimate.h"
-#include "estimator/model/keyframe.h"
+#include "estimator/model/keyframe_source.h"
 #include "estimator/target/geometry.h"
 
 namespace turnlight::app {
 
-// Writes what estimator/pictures/pictures.h makes into the folder; gives the number of files.
-Result<std::size_t> WritePictures(const std::vector<estimator::model::Keyframe>& keyframes,
+// Writes what estimator/pictures/pictures.h makes into the folder; gives the number of files. Fails
+// as the source does, and if a file cannot be written.
+Result<std::size_t> WritePictures(const estimator::model::KeyframeSource& keyframes,
                                   const estimator::target::Geometry& geometry,
                                   const calib::CameraModel& camera,
                                   const estimator::EstimateOutput& output,

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/strict_object.h"
+#include "estimator/from_session/session_estimate.h"
 #include "rig/session/journal.h"
 #include "rig/session/session.h"
 
@@ -46,11 +47,11 @@ Status RunFolder::CheckBegun() const {
 }
 
 Status RunFolder::Begin(const std::string& config_text, const BegunRun& begun) const {
-  const nlohmann::ordered_json run{
-      {"format", "turnlight-run"},
-      {"version", 1},
-      {"command", begun.goal == CaptureGoal::kEstimate ? "run" : "capture"},
-      {"config", begun.config.string()}};
+  nlohmann::ordered_json run{{"format", "turnlight-run"},
+                             {"version", 1},
+                             {"command", begun.goal == CaptureGoal::kEstimate ? "run" : "capture"},
+                             {"config", begun.config.string()}};
+  if (begun.pixels) run["pixels"] = *begun.pixels;
   if (const Status status = WriteFileAtomic(config(), config_text); !status) return status;
   return WriteFileAtomic(root_ / kRunFile, run.dump() + "\n");
 }
@@ -65,8 +66,12 @@ Result<BegunRun> RunFolder::ReadBegun() const {
   run.Integer("version", 1, 1);
   const std::string command = run.Choice("command", {"run", "capture"});
   const std::string origin = run.OptionalString("config").value_or(config().string());
+  const auto pixels = run.OptionalInteger("pixels", estimator::from_session::kFewestPixels,
+                                          estimator::from_session::kMostPixelsAllowed);
   if (const Status status = run.Finish(); !status) return Forward(status);
-  return BegunRun{command == "run" ? CaptureGoal::kEstimate : CaptureGoal::kSession, origin};
+  BegunRun begun{command == "run" ? CaptureGoal::kEstimate : CaptureGoal::kSession, origin, {}};
+  if (pixels) begun.pixels = static_cast<std::size_t>(*pixels);
+  return begun;
 }
 
 }  // namespace turnlight::app

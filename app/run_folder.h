@@ -1,7 +1,8 @@
 // The folder of one run of a capture graph:
 //   DIR/config.yaml   the config as it was read; resume and replay take it from here
 //   DIR/run.json      what was begun: {"format": "turnlight-run", "version": 1, "command": "run",
-//                     "config": "/.../FILE.yaml"}, the file that config.yaml is a copy of
+//                     "config": "/.../FILE.yaml"}, the file that config.yaml is a copy of; and
+//                     "pixels", if the estimate is to hold another number than by default
 //   DIR/session       the session (rig/capture/session_recorder.h); a simulated rig leaves its
 //                     truth.json there
 //   DIR/log           what the graph recorded; a resumed run writes log-2, log-3, ...
@@ -9,7 +10,9 @@
 //   DIR/run.lock      while a program writes here: who it is
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "base/result.h"
@@ -20,7 +23,8 @@ enum class CaptureGoal { kEstimate, kSession };  // run; capture
 
 struct BegunRun {
   CaptureGoal goal = CaptureGoal::kEstimate;
-  std::filesystem::path config;  // the file that was read; absolute
+  std::filesystem::path config;       // the file that was read; absolute
+  std::optional<std::size_t> pixels;  // --pixels
 };
 
 class RunFolder {

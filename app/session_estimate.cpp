@@ -11,6 +11,7 @@
 #include "app/summary.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
+#include "estimator/pictures/pictures.h"
 #include "estimator/results/result_json.h"
 
 namespace turnlight::app {
@@ -37,6 +38,7 @@ Result<from_session::SessionEstimate> EstimateForAPerson(const std::filesystem::
     if (done == total) bar.reset();
   };
   estimate.on_closure = TellVerdict;
+  if (options.pictures) estimate.residuals_of = estimator::pictures::ShownKeyframes;
   estimate.stop = &InterruptFlag();
   return from_session::EstimateSession(session, estimate);
 }

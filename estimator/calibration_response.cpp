@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "estimator/observe/keyframe_tracer.h"
 #include "estimator/observe/moved_pixels.h"
 #include "estimator/observe/sampling.h"
 #include "estimator/solve/footprints.h"
@@ -50,12 +51,12 @@ Result<solve::Prediction> Radiances(const Fit& fit, const MovedCalibration& move
   const auto channels = static_cast<std::size_t>(pixels.channels);
   solve::Prediction out(pixels.radiance.begin(), pixels.radiance.begin() + pixels.channels);
   if (!moved.radiance) return out;
-  std::vector<std::vector<std::size_t>> of_keyframe(fit.view.keyframes.size());
+  std::vector<std::vector<std::size_t>> of_keyframe(fit.view.keyframes);
   for (std::size_t i = 0; i < pixels.size(); ++i)
     if (pixels.pixel[i] != observe::Observations::kNoPixel)
       of_keyframe[fit.sample.keyframe[i]].push_back(i);
   std::vector<Status> statuses(of_keyframe.size());
-  ParallelFor(of_keyframe.size(), [&](std::size_t k) {
+  const auto take = [&](std::size_t k) {
     if (of_keyframe[k].empty()) return;
     const auto picture = moved.radiance(k);
     if (!picture) {
@@ -70,7 +71,11 @@ Result<solve::Prediction> Radiances(const Fit& fit, const MovedCalibration& move
       for (std::size_t c = 0; c < channels; ++c)
         out[c][i] = static_cast<float>(fit.level) * value[c];
     }
-  });
+  };
+  const std::size_t at_a_time = observe::KeyframesInFlight(fit.view.rays);
+  for (std::size_t first = 0; first < of_keyframe.size(); first += at_a_time)
+    ParallelFor(std::min(at_a_time, of_keyframe.size() - first),
+                [&](std::size_t i) { take(first + i); });
   for (const Status& status : statuses)
     if (!status) return Forward(status);
   return out;

@@ -3,14 +3,13 @@
 // gradient says how the unknowns follow, to first order.
 #pragma once
 
+#include <cstddef>
 #include <optional>
-#include <vector>
 
 #include "base/result.h"
 #include "base/stop_flag.h"
 #include "calib/camera_model.h"
 #include "estimator/calibration_errors.h"
-#include "estimator/model/keyframe.h"
 #include "estimator/observe/observations.h"
 #include "estimator/solve/solver.h"
 #include "estimator/target/geometry.h"
@@ -19,12 +18,12 @@
 namespace turnlight::estimator {
 
 struct CalibratedView {
-  const std::vector<model::Keyframe>& keyframes;
+  std::size_t keyframes;  // how many
   const target::Geometry& geometry;
   const calib::RayGrid& rays;
 };
 
-// all: of these keyframes. A direction is followed for one sigma, or for less if a tenth of the
+// all: of so many keyframes. A direction is followed for one sigma, or for less if a tenth of the
 // pixels would lose the surface. Nothing if there are no items. Fails as errors.move's radiance
 // does, and with kInterrupted when stop was set. Deterministic for any number of threads.
 Result<std::optional<uncertainty::CalibrationResponse>> RespondToCalibration(

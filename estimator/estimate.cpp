@@ -7,7 +7,6 @@
 #include "estimator/calibration_response.h"
 #include "estimator/exposure_level.h"
 #include "estimator/notes.h"
-#include "estimator/observe/observed_scene.h"
 #include "estimator/observe/radiance_statistics.h"
 #include "estimator/observe/views.h"
 #include "estimator/report.h"
@@ -17,31 +16,6 @@
 
 namespace turnlight::estimator {
 namespace {
-
-// The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
-// scaled back.
-Result<Estimate> EstimateAtLevel(const observe::Observations& all,
-                                 const std::vector<cv::Mat>& signatures,
-                                 const EstimateOptions& options, double level,
-                                 select::Refined* refined, const CalibrationAsked& calibration) {
-  observe::Observations scaled = all;
-  Scale(scaled, 1.0 / level);
-  std::vector<cv::Mat> scaled_signatures;
-  for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
-  EstimateOptions scaled_options = options;
-  if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
-  auto estimate = EstimateObservations(scaled, scaled_signatures, scaled_options, nullptr, refined,
-                                       calibration);
-  if (!estimate) return estimate;
-  Scale(*estimate, level);
-  estimate->notes.push_back(
-      {"exposure",
-       Format("The brightest radiance is about %.2g of white: decisions, and the numbers in their "
-              "reasons, take that as white.",
-              level)});
-  if (refined) Scale(refined->solution.scene.reflectance, level);
-  return estimate;
-}
 
 // Pictures without a light's share are ambient light alone, unless noise could hide one.
 Status CheckLights(const Estimate& estimate, double noise, double brightest) {
@@ -64,20 +38,43 @@ void Tell(const Watch& watch, Part part) {
   if (watch.on_part) watch.on_part(part);
 }
 
-}  // namespace
-
-model::Scene Estimate::ToScene() const {
-  model::Scene scene;
-  scene.reflectance = reflectance;
-  for (const LightEstimate& light : lights) scene.lights.push_back(light.light);
-  return scene;
+// Gives how many views there are for each that differs from those before.
+double CountViews(const std::vector<cv::Mat>& signatures, double noise, Estimate& out) {
+  out.views = static_cast<int>(signatures.size());
+  out.distinct_views = observe::DistinctViews(signatures, noise);
+  return out.distinct_views > 0 ? static_cast<double>(out.views) / out.distinct_views : 1.0;
 }
 
-Result<Estimate> EstimateObservations(const observe::Observations& all,
-                                      const std::vector<cv::Mat>& signatures,
-                                      const EstimateOptions& options, observe::IntensityMap* map,
-                                      select::Refined* refined,
-                                      const CalibrationAsked& calibration) {
+// The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
+// scaled back. Levels are powers of two: the observations are afterwards what they were.
+Result<Estimate> EstimateAtLevel(observe::Observations& all, const std::vector<cv::Mat>& signatures,
+                                 const EstimateOptions& options, double level,
+                                 select::Refined* refined, const CalibrationAsked& calibration) {
+  Scale(all, 1.0 / level);
+  std::vector<cv::Mat> scaled_signatures;
+  for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
+  EstimateOptions scaled_options = options;
+  if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
+  auto estimate =
+      EstimateObservations(all, scaled_signatures, scaled_options, nullptr, refined, calibration);
+  Scale(all, level);
+  if (!estimate) return estimate;
+  Scale(*estimate, level);
+  estimate->notes.push_back(
+      {"exposure",
+       Format("The brightest radiance is about %.2g of white: decisions, and the numbers in their "
+              "reasons, take that as white.",
+              level)});
+  if (refined) Scale(refined->solution.scene.reflectance, level);
+  return estimate;
+}
+
+// own (optional): the same observations, which may be changed while the call lasts; else they are
+// copied where that is needed.
+Result<Estimate> EstimateWhatIsSeen(const observe::Observations& all, observe::Observations* own,
+                                    const std::vector<cv::Mat>& signatures,
+                                    const EstimateOptions& options, observe::IntensityMap* map,
+                                    select::Refined* refined, const CalibrationAsked& calibration) {
   const Stopwatch stopwatch;
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -86,7 +83,12 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
   const double noise = observe::EstimateNoise(all), brightest = observe::BrightestRadiance(all);
   const double level = ExposureLevel(brightest);
-  if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined, calibration);
+  if (level != 1.0) {
+    observe::Observations copy;
+    if (own == nullptr) copy = all;
+    return EstimateAtLevel(own != nullptr ? *own : copy, signatures, options, level, refined,
+                           calibration);
+  }
   Tell(options.watch, Part::kStart);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   start::Start start = StartOf(all, noise, used_map, options);
@@ -97,11 +99,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   estimate.ladder = std::move(start.ladder);
   for (const double rms : start.rms_history)
     estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});
-  estimate.views = static_cast<int>(signatures.size());
-  estimate.distinct_views = observe::DistinctViews(signatures, noise);
-  const double views_per_distinct =
-      estimate.distinct_views > 0 ? static_cast<double>(estimate.views) / estimate.distinct_views
-                                  : 1.0;
+  const double views_per_distinct = CountViews(signatures, noise, estimate);
   select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
                                           options.model, estimate.ladder, options.watch.stop);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -124,13 +122,31 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   return estimate;
 }
 
-Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
+}  // namespace
+
+model::Scene Estimate::ToScene() const {
+  model::Scene scene;
+  scene.reflectance = reflectance;
+  for (const LightEstimate& light : lights) scene.lights.push_back(light.light);
+  return scene;
+}
+
+Result<Estimate> EstimateObservations(const observe::Observations& all,
+                                      const std::vector<cv::Mat>& signatures,
+                                      const EstimateOptions& options, observe::IntensityMap* map,
+                                      select::Refined* refined,
+                                      const CalibrationAsked& calibration) {
+  return EstimateWhatIsSeen(all, nullptr, signatures, options, map, refined, calibration);
+}
+
+Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
                                      const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options) {
   const Stopwatch stopwatch;
   Tell(options.watch, Part::kObserve);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  const auto observed = observe::ObserveScene(keyframes, geometry, rays);
+  auto observed =
+      observe::ObserveScene(keyframes, geometry, rays,
+                            {options.most_pixels, options.watch.stop, options.watch.on_keyframe});
   if (!observed) return Forward(observed);
   const double built = stopwatch.Seconds();
   EstimateOutput out;
@@ -138,18 +154,27 @@ Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyfram
   CalibrationAsked calibration;
   if (options.calibration)
     calibration = [&](const observe::Observations& all, const solve::Solution& solution) {
-      return RespondToCalibration({keyframes, geometry, rays}, all, solution, *options.calibration,
-                                  options.watch.stop);
+      return RespondToCalibration({keyframes.size(), geometry, rays}, all, solution,
+                                  *options.calibration, options.watch.stop);
     };
-  auto estimate = EstimateObservations(observed->pixels, observed->signatures, options, &out.map,
-                                       &refined, calibration);
+  auto estimate = EstimateWhatIsSeen(observed->pixels, &observed->pixels, observed->signatures,
+                                     options, &out.map, &refined, calibration);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;
   AddOutliersNote(observed->counts, out.estimate);
-  out.residuals = ResidualMaps(observed->pixels, refined.solution.scene, refined.options.evaluate,
-                               {rays.width(), rays.height()});
+  AddThinnedNote(observed->pixels, observed->usable, out.estimate);
+  if (options.residuals_of)
+    out.residuals =
+        ResidualMaps(observed->pixels, refined.solution.scene, refined.options.evaluate,
+                     {rays.width(), rays.height()}, options.residuals_of(keyframes.size()));
   return out;
+}
+
+Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
+                                     const target::Geometry& geometry, const calib::RayGrid& rays,
+                                     const EstimateOptions& options) {
+  return EstimateScene(model::SourceOf(keyframes), geometry, rays, options);
 }
 
 }  // namespace turnlight::estimator

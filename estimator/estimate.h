@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <map>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -14,10 +15,12 @@
 #include "estimator/calibration_errors.h"
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/keyframe.h"
+#include "estimator/model/keyframe_source.h"
 #include "estimator/model/model_choice.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/intensity_map.h"
 #include "estimator/observe/observations.h"
+#include "estimator/observe/observed_scene.h"
 #include "estimator/select/model_selection.h"
 #include "estimator/solve/solver.h"
 #include "estimator/target/geometry.h"
@@ -27,7 +30,7 @@ namespace turnlight::estimator {
 
 // The parts of an estimate, in their order.
 enum class Part {
-  kObserve,  // pixels traced to the target
+  kObserve,  // keyframes read, and their pixels traced to the target
   kStart,    // lights looked for on a sample of the pixels
   kRefine,   // everything solved on all pixels, and its uncertainty
   kBudget,   // what the calibration's errors change; only with one
@@ -38,6 +41,8 @@ struct Watch {
   // Set: the call ends soon, at the next iteration of whatever it solves, with kInterrupted.
   const StopFlag* stop = nullptr;
   std::function<void(Part)> on_part;  // called as each part begins, by the thread that estimates
+  // Called for each keyframe once, in their order, while it is in memory; by the same thread.
+  std::function<void(std::size_t keyframe, const model::Keyframe&)> on_keyframe;
 };
 
 struct EstimateOptions {
@@ -48,6 +53,9 @@ struct EstimateOptions {
   // What the keyframes' calibration may have wrong; must outlive the call. None: it is taken as
   // exact.
   const CalibrationErrors* calibration = nullptr;
+  std::size_t most_pixels = observe::kMostPixels;  // of more, whole blocks are given up evenly
+  // Of how many keyframes whose residual maps are made; none: no maps.
+  std::function<std::vector<std::size_t>(std::size_t keyframes)> residuals_of;
   Watch watch;
 };
 
@@ -117,8 +125,8 @@ struct Estimate {
 struct EstimateOutput {
   Estimate estimate;
   observe::IntensityMap map;
-  std::vector<cv::Mat1f>
-      residuals;  // per keyframe: grey observed minus model; NaN where unobserved
+  // By keyframe, of those that were asked for: grey observed minus model; NaN where unobserved.
+  std::map<std::size_t, cv::Mat1f> residuals;
 };
 
 // How a fit of these observations answers to the calibration's errors; nothing: they are none.
@@ -136,9 +144,13 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       select::Refined* refined = nullptr,
                                       const CalibrationAsked& calibration = {});
 
-// Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
-// everything clipped, everything dark, nothing of the target in view; with kInterrupted when
-// options.watch.stop was set.
+// Reads each keyframe once, a few at a time. Fails as the source does; with kNoEstimate, in words
+// that say what to do, when nothing usable was observed: everything clipped, everything dark,
+// nothing of the target in view; with kInterrupted when options.watch.stop was set.
+Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
+                                     const target::Geometry& geometry, const calib::RayGrid& rays,
+                                     const EstimateOptions& options);
+// The same, of keyframes in memory.
 Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyframes,
                                      const target::Geometry& geometry, const calib::RayGrid& rays,
                                      const EstimateOptions& options);

@@ -77,4 +77,14 @@ void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out) {
                           counts.outliers, counts.on_target)});
 }
 
+void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estimate& out) {
+  if (kept.blocks.share >= 1.0) return;
+  constexpr int kSide = observe::BlockChoice::kSide;
+  out.notes.push_back(
+      {"pixels-thinned",
+       Format("%zu of about %zu usable pixels were used, in blocks of %d x %d spread evenly over "
+              "the pictures: more are not held in memory (--pixels).",
+              kept.used, usable, kSide, kSide)});
+}
+
 }  // namespace turnlight::estimator

@@ -23,4 +23,7 @@ bool Noisy(double noise, double brightest);
 // Code "outliers", if there are so many that some may have been missed.
 void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out);
 
+// Code "pixels-thinned", if not all of the usable pixels were kept.
+void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estimate& out);
+
 }  // namespace turnlight::estimator

@@ -1,17 +1,20 @@
 #include "estimator/residual_maps.h"
 
 #include <limits>
+#include <utility>
 
 #include "estimator/solve/prediction.h"
 
 namespace turnlight::estimator {
 
-std::vector<cv::Mat1f> ResidualMaps(const observe::Observations& all, const model::Scene& scene,
-                                    const solve::EvaluateOptions& options, cv::Size size) {
+std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
+                                              const model::Scene& scene,
+                                              const solve::EvaluateOptions& options, cv::Size size,
+                                              const std::vector<std::size_t>& keyframes) {
   const auto model = solve::Predict(all, scene, options);
-  std::vector<cv::Mat1f> maps;
-  for (std::size_t k = 0; k + 1 < all.tile_begin.size(); ++k) {
-    cv::Mat1f& map = maps.emplace_back(size, std::numeric_limits<float>::quiet_NaN());
+  std::map<std::size_t, cv::Mat1f> maps;
+  for (const std::size_t k : keyframes) {
+    cv::Mat1f map(size, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = all.tile_begin[k] * observe::kTile;
          i < all.tile_begin[k + 1] * observe::kTile; ++i) {
       if (all.pixel[i] == observe::Observations::kNoPixel) continue;
@@ -22,6 +25,7 @@ std::vector<cv::Mat1f> ResidualMaps(const observe::Observations& all, const mode
       const int at = static_cast<int>(all.pixel[i]);
       map(at / size.width, at % size.width) = sum / static_cast<float>(all.channels);
     }
+    maps.emplace(k, std::move(map));
   }
   return maps;
 }

@@ -57,11 +57,11 @@ Json EstimateAndScore(const rig::sim::SyntheticSession& session,
 
 Json EstimateAndScoreByPaper(const rig::sim::SyntheticSession& session,
                              const estimator::baseline::PaperOptions& options) {
-  return ScoreOrFailure(
-      session,
-      EstimateBy(session, [&](const auto& keyframes, const auto& geometry, const auto& rays) {
-        return estimator::baseline::EstimateByPaper(keyframes, geometry, rays, options);
-      }));
+  return ScoreOrFailure(session, EstimateBy(session, [&](const auto& keyframes,
+                                                         const auto& geometry, const auto& rays) {
+                          return estimator::baseline::EstimateByPaper(
+                              estimator::model::SourceOf(keyframes), geometry, rays, options);
+                        }));
 }
 
 Json TakeAndScore(const rig::sim::SyntheticConfig& config,

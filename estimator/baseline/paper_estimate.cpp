@@ -96,16 +96,19 @@ void FillFromPaper(const observe::Observations& observations, const PaperSolutio
 
 }  // namespace
 
-Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyframes,
+Result<EstimateOutput> EstimateByPaper(const model::KeyframeSource& keyframes,
                                        const target::Geometry& geometry, const calib::RayGrid& rays,
-                                       const PaperOptions& options, const Watch& watch) {
+                                       const PaperOptions& options,
+                                       const EstimateOptions& estimate_options) {
   const Stopwatch stopwatch;
+  const Watch& watch = estimate_options.watch;
   const auto enter = [&](Part part) {
     if (watch.on_part) watch.on_part(part);
     return !StopRequested(watch.stop);
   };
   if (!enter(Part::kObserve)) return InterruptedError();
-  auto observed = observe::ObserveScene(keyframes, geometry, rays);
+  auto observed = observe::ObserveScene(
+      keyframes, geometry, rays, {estimate_options.most_pixels, watch.stop, watch.on_keyframe});
   if (!observed) return Forward(observed);
   observed->pixels.variance.clear();  // to the paper all pixels are alike
   observed->pixels.weight.clear();
@@ -125,9 +128,12 @@ Result<EstimateOutput> EstimateByPaper(const std::vector<model::Keyframe>& keyfr
       observe::DistinctViews(observed->signatures, observe::EstimateNoise(all));
   AddViewsNote(estimate);
   AddOutliersNote(observed->counts, estimate);
+  AddThinnedNote(all, observed->usable, estimate);
   estimate.initial_s = mapped;
   estimate.solve_s = stopwatch.Seconds() - mapped;
-  out.residuals = ResidualMaps(all, solution->scene, {}, {rays.width(), rays.height()});
+  if (estimate_options.residuals_of)
+    out.residuals = ResidualMaps(all, solution->scene, {}, {rays.width(), rays.height()},
+                                 estimate_options.residuals_of(keyframes.size()));
   return out;
 }
 

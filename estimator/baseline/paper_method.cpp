@@ -56,14 +56,14 @@ bool Search(const PaperProblem& problem, Eigen::VectorXd& variables, double& cos
 
 }  // namespace
 
-Eigen::Vector3d PaperUp(const std::vector<model::Keyframe>& keyframes,
+Eigen::Vector3d PaperUp(const std::vector<calib::RigPoses>& poses,
                         const target::Geometry& geometry) {
   if (!std::holds_alternative<calib::PlaneShape>(geometry.shape())) return Eigen::Vector3d::UnitZ();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const model::Keyframe& keyframe : keyframes) sum += keyframe.X_WT.rotation.col(2);
+  for (const calib::RigPoses& pose : poses) sum += pose.X_WT.rotation.col(2);
   // Normals all around cancel out; then W's axis, around which they turn, is as good as any.
   constexpr double kLeastShare = 1e-6;
-  return sum.norm() > kLeastShare * static_cast<double>(keyframes.size())
+  return sum.norm() > kLeastShare * static_cast<double>(poses.size())
              ? Eigen::Vector3d(sum.normalized())
              : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
 }

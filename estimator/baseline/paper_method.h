@@ -16,7 +16,7 @@
 
 #include "base/result.h"
 #include "base/stop_flag.h"
-#include "estimator/model/keyframe.h"
+#include "calib/rig_geometry.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/intensity_map.h"
 #include "estimator/observe/observations.h"
@@ -32,7 +32,7 @@ struct PaperOptions {
 
 // Where the paper measures zenith angles from: a plane's normal, W's +z for other shapes. A plane
 // that turns gives the mean of its normals.
-Eigen::Vector3d PaperUp(const std::vector<model::Keyframe>& keyframes,
+Eigen::Vector3d PaperUp(const std::vector<calib::RigPoses>& poses,
                         const target::Geometry& geometry);
 
 // A cluster of the map's bright cells.

@@ -1,12 +1,11 @@
 #include "estimator/from_session/session_estimate.h"
 
 #include <map>
-#include <mutex>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "base/format.h"
-#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "calib/camera_model.h"
 #include "estimator/baseline/paper_estimate.h"
@@ -28,9 +27,8 @@ class Stages {
     total_ = total;
     Tell();
   }
-  // One more part of the stage is done. May be called from several threads.
+  // One more part of the stage is done.
   void Step() {
-    const std::lock_guard<std::mutex> lock(mutex_);
     ++done_;
     Tell();
   }
@@ -46,7 +44,6 @@ class Stages {
   }
 
   const Options& options_;
-  std::mutex mutex_;
   Stage stage_ = Stage::kReading;
   std::size_t done_ = 0, total_ = 0;
 };
@@ -64,29 +61,19 @@ Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
   return chosen;
 }
 
-// The first refusal in the order of the frames, whatever thread found it.
-Result<std::vector<model::Keyframe>> LoadKeyframes(const rig::Session& session,
-                                                   const std::vector<std::size_t>& chosen,
-                                                   const StopFlag* stop, Stages& stages) {
-  std::vector<model::Keyframe> keyframes(chosen.size());
-  std::vector<Status> statuses(chosen.size());
-  stages.Begin(Stage::kReading, chosen.size());
-  ParallelFor(chosen.size(), [&](std::size_t i) {
-    if (StopRequested(stop)) return;
-    const rig::FrameRecord& frame = session.frames[chosen[i]];
-    const auto images = rig::ReadFrameImages(session, chosen[i]);
-    if (!images) {
-      statuses[i] = Forward(images);
-      return;
-    }
-    keyframes[i] = {calib::Linearise(images->image, session.radiometry, frame.exposure),
-                    images->mask, frame.X_WC, frame.X_WT};
-    stages.Step();
-  });
-  if (StopRequested(stop)) return InterruptedError();
-  for (const Status& status : statuses)
-    if (!status) return Forward(status);
-  return keyframes;
+model::KeyframeSource FramesOf(const rig::Session& session, std::vector<std::size_t> chosen) {
+  model::KeyframeSource out;
+  for (const std::size_t i : chosen)
+    out.poses.push_back({session.frames[i].X_WC, session.frames[i].X_WT});
+  const auto shared = std::make_shared<const rig::Session>(session);
+  out.read = [shared, chosen = std::move(chosen)](std::size_t k) -> Result<model::Keyframe> {
+    const rig::FrameRecord& frame = shared->frames[chosen[k]];
+    const auto images = rig::ReadFrameImages(*shared, chosen[k]);
+    if (!images) return Forward(images);
+    return model::Keyframe{calib::Linearise(images->image, shared->radiometry, frame.exposure),
+                           images->mask, frame.X_WC, frame.X_WT};
+  };
+  return out;
 }
 
 // Metres to the session's unit.
@@ -103,7 +90,10 @@ Result<double> FromMetres(double metres, const std::string& length_unit) {
       length_unit + "\", known are " + Listed(known));
 }
 
-Status CheckMethod(const Options& options) {
+Status CheckOptions(const Options& options) {
+  if (options.most_pixels < kFewestPixels || options.most_pixels > kMostPixelsAllowed)
+    return InputError(Format("--pixels: %zu, allowed are %zu to %zu", options.most_pixels,
+                             kFewestPixels, kMostPixelsAllowed));
   const bool paper = options.method == results::Method::kPaper;
   if (paper && options.initial)
     return InputError(
@@ -126,46 +116,45 @@ struct Loaded {
   rig::Session session;
   std::optional<rig::RigCalibration> calibration;
   std::vector<std::size_t> chosen;  // frames
-  std::vector<model::Keyframe> keyframes;
+  model::KeyframeSource keyframes;
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
 };
 
-Result<Loaded> Load(const std::filesystem::path& folder, const Options& options, Stages& stages) {
+Result<Loaded> Load(const std::filesystem::path& folder, const Options& options) {
   auto session = rig::ReadSession(folder);
   if (!session) return Forward(session);
-  if (const Status status = CheckMethod(options); !status) return Forward(status);
+  if (const Status status = CheckOptions(options); !status) return Forward(status);
   auto chosen = ChooseFrames(*session, options.views);
   if (!chosen) return Forward(chosen);
   auto calibration = rig::ReadSessionCalibration(*session);
   if (!calibration) return Forward(calibration);
   auto shape = rig::ReadTarget(*session);
   if (!shape) return Forward(shape);
-  auto keyframes = LoadKeyframes(*session, *chosen, options.stop, stages);
-  if (!keyframes) return Forward(keyframes);
+  model::KeyframeSource keyframes = FramesOf(*session, *chosen);
   target::Geometry geometry(std::move(*shape));
   auto closure = rig::CheckClosure(folder);
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);
-  return Loaded{std::move(*session),   std::move(*calibration), std::move(*chosen),
-                std::move(*keyframes), std::move(geometry),     std::move(*closure)};
+  return Loaded{std::move(*session),  std::move(*calibration), std::move(*chosen),
+                std::move(keyframes), std::move(geometry),     std::move(*closure)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
-                                       const Options& options, const Watch& watch) {
+                                       const Options& options, const EstimateOptions& estimate) {
   const auto distance = FromMetres(options.ceiling_distance_m.value_or(kCeilingDistanceM),
                                    loaded.session.length_unit);
   if (!distance) return Forward(distance);
   baseline::PaperOptions paper;
   paper.ceiling_distance = *distance;
-  paper.up = baseline::PaperUp(loaded.keyframes, loaded.geometry);
-  return baseline::EstimateByPaper(loaded.keyframes, loaded.geometry, rays, paper, watch);
+  paper.up = baseline::PaperUp(loaded.keyframes.poses, loaded.geometry);
+  return baseline::EstimateByPaper(loaded.keyframes, loaded.geometry, rays, paper, estimate);
 }
 
 Stage StageOf(Part part) {
   switch (part) {
     case Part::kObserve:
-      return Stage::kObserving;
+      return Stage::kReading;
     case Part::kStart:
       return Stage::kStarting;
     case Part::kRefine:
@@ -179,13 +168,18 @@ Stage StageOf(Part part) {
 Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& options,
                                       Stages& stages) {
   const calib::RayGrid rays(*loaded.session.camera);
-  const Watch watch{options.stop, [&](Part part) { stages.Begin(StageOf(part)); }};
-  if (options.method == results::Method::kPaper)
-    return EstimateByPaper(loaded, rays, options, watch);
   EstimateOptions estimate;
+  estimate.most_pixels = options.most_pixels;
+  estimate.residuals_of = options.residuals_of;
+  estimate.watch.stop = options.stop;
+  estimate.watch.on_part = [&](Part part) {
+    stages.Begin(StageOf(part), part == Part::kObserve ? loaded.keyframes.size() : 1);
+  };
+  estimate.watch.on_keyframe = [&](std::size_t, const model::Keyframe&) { stages.Step(); };
+  if (options.method == results::Method::kPaper)
+    return EstimateByPaper(loaded, rays, options, estimate);
   estimate.initial = options.initial;
   estimate.model = options.model;
-  estimate.watch = watch;
   std::optional<CalibrationErrors> errors;
   if (loaded.calibration) {
     errors = ErrorsOf(*loaded.calibration, loaded.session, loaded.chosen, loaded.geometry);
@@ -200,7 +194,7 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
                                         const Options& options) {
   const Stopwatch stopwatch;
   Stages stages(options);
-  auto loaded = Load(folder, options, stages);
+  auto loaded = Load(folder, options);
   if (!loaded) return Forward(loaded);
   const double load_s = stopwatch.Seconds();
   auto output = EstimateLoaded(*loaded, options, stages);

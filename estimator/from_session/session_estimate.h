@@ -12,7 +12,7 @@
 #include "base/stop_flag.h"
 #include "estimator/estimate.h"
 #include "estimator/model/initial_guess.h"
-#include "estimator/model/keyframe.h"
+#include "estimator/model/keyframe_source.h"
 #include "estimator/model/model_choice.h"
 #include "estimator/results/words.h"
 #include "estimator/target/geometry.h"
@@ -26,13 +26,14 @@ inline constexpr double kCeilingDistanceM = 2.5;
 
 // In their order.
 enum class Stage {
-  kReading,
-  kObserving,
+  kReading,  // frames read and traced
   kStarting,
   kRefining,
-  kBudget
-};  // the last only of
-    // a calibrated session
+  kBudget  // only of a calibrated session
+};
+
+// What most_pixels may be.
+inline constexpr std::size_t kFewestPixels = 10'000, kMostPixelsAllowed = 1'000'000'000;
 
 struct Options {
   results::Method method = results::Method::kLeastSquares;
@@ -40,6 +41,10 @@ struct Options {
   std::optional<model::InitialGuess> initial;  // of kLeastSquares only
   model::ModelChoice model;                    // of kLeastSquares only; no lights beside initial
   std::optional<double> ceiling_distance_m;    // of kPaper only; metres
+
+  std::size_t most_pixels = observe::kMostPixels;  // held at a time; kFewestPixels and more
+  // Of how many keyframes whose residual maps are made; none: no maps.
+  std::function<std::vector<std::size_t>(std::size_t keyframes)> residuals_of;
 
   // Told as a stage begins (done 0) and as its parts are done, up to total: the frames of kReading;
   // the others have one part, and are told of its end when the next begins or all is done. Never
@@ -53,17 +58,17 @@ struct Options {
 
 struct SessionEstimate {
   rig::Session session;
-  std::vector<model::Keyframe> keyframes;  // the frames chosen, in their order
+  model::KeyframeSource keyframes;  // the frames chosen, in their order; read anew each time
   target::Geometry geometry;
   EstimateOutput output;  // with a note if the capture did not close
   std::optional<rig::ClosureCheck> closure;
   double load_s = 0.0;  // seconds until the estimate began, for people
 };
 
-// Fails with kInput (what ReadSession, ReadSessionCalibration, ReadTarget, ReadFrameImages and
-// CheckClosure refuse; options
-// that do not go together), with kNoEstimate if the session gives none, in words that say what to
-// do, and with kInterrupted.
+// Frames are read one after another, a few at a time. Fails with kInput (what ReadSession,
+// ReadSessionCalibration, ReadTarget, ReadFrameImages and CheckClosure refuse; options that do not
+// go together), with kNoEstimate if the session gives none, in words that say what to do, and with
+// kInterrupted.
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
                                         const Options& options = {});
 

@@ -14,7 +14,7 @@
 #include "calib/camera_model.h"
 #include "estimator/model/keyframe.h"
 #include "estimator/observe/bfloat16.h"
-#include "estimator/observe/trace_pixels.h"
+#include "estimator/observe/block_choice.h"
 #include "estimator/target/geometry.h"
 
 namespace turnlight::estimator::observe {
@@ -55,13 +55,15 @@ struct Observations {
   std::vector<calib::Pose> X_TW;                  // per keyframe
   int width = 0;                                  // of the pictures
   bool subsampled = false;                        // pixels have lost their neighbours
+  BlockChoice blocks;                             // of each keyframe's pixels; by default all
 
   // Keyframe k's tiles (before subsampling) are [tile_begin[k], tile_begin[k + 1]).
   std::vector<std::size_t> tile_begin{0};
   std::size_t used = 0;  // pixels that are not filling
 
   static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
-  // So many entries, all of them filling. channels and caster must be set.
+  // So many entries, all of them filling: its normal and view are unit, so that nothing it computes
+  // before its weight of 0 is NaN. channels and caster must be set.
   void Resize(std::size_t size);
   double WeightOf(std::size_t i) const {
     return weight.empty() ? 1.0 : static_cast<double>(weight[i]);
@@ -69,6 +71,9 @@ struct Observations {
   std::size_t size() const { return pixel.size(); }
   std::size_t tiles() const { return pixel.size() / kTile; }
 };
+
+// Sets the weights from the variances, which must be known.
+void SetWeights(Observations& observations);
 
 // Builds the observations of keyframes, in parallel, deterministically. flags (optional) receives
 // one picture of PixelFlag bits per keyframe. Colour pictures whose channels are the same

@@ -1,19 +1,28 @@
 #include "estimator/observe/observed_scene.h"
 
+#include "estimator/observe/keyframe_tracer.h"
+#include "estimator/observe/observations_builder.h"
 #include "estimator/observe/views.h"
 
 namespace turnlight::estimator::observe {
 
-Result<ObservedScene> ObserveScene(const std::vector<model::Keyframe>& keyframes,
-                                   const target::Geometry& geometry, const calib::RayGrid& rays) {
+Result<ObservedScene> ObserveScene(const model::KeyframeSource& keyframes,
+                                   const target::Geometry& geometry, const calib::RayGrid& rays,
+                                   const ObserveOptions& options) {
   ObservedScene out;
-  std::vector<cv::Mat1b> flags;
-  out.pixels = BuildObservations(keyframes, geometry, rays, &flags);
-  out.counts = CountFlags(flags);
+  ObservationsBuilder builder(geometry, rays, keyframes.size(), options.most_pixels);
+  const auto put = [&](std::size_t k, const model::Keyframe& keyframe, KeyframeTracer& tracer) {
+    builder.Add(keyframe, tracer);
+    out.counts = CountFlags({tracer.flags()}, out.counts);
+    out.signatures.push_back(ViewSignature(keyframe));
+    if (options.on_keyframe) options.on_keyframe(k, keyframe);
+  };
+  if (const Status status = TraceKeyframes(keyframes, geometry, rays, options.stop, put); !status)
+    return Forward(status);
+  out.usable = builder.usable();
+  out.pixels = builder.Finish();
   if (const Status status = CheckOutliers(out.counts); !status) return Forward(status);
   if (const Status status = CheckUsable(out.pixels, &out.counts); !status) return Forward(status);
-  for (const model::Keyframe& keyframe : keyframes)
-    out.signatures.push_back(ViewSignature(keyframe));
   return out;
 }
 

@@ -1,28 +1,14 @@
-// One keyframe: what each of its pixels sees of the target, and why some of them are not used.
+// What a pixel sees of the target.
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <opencv2/core.hpp>
 #include <optional>
-#include <vector>
 
 #include "calib/camera_model.h"
 #include "calib/rig_geometry.h"
-#include "estimator/model/keyframe.h"
 #include "estimator/target/geometry.h"
 
 namespace turnlight::estimator::observe {
-
-// Why a pixel is not used; the bits of a flag picture. 0: used.
-enum PixelFlag : std::uint8_t {
-  kOffTarget = 1,      // the ray misses the target, or the mask says it is not the target
-  kSaturated = 2,      // clipped, not finite, or one of the 8 neighbours of such a pixel
-  kSilhouette = 4,     // within two pixels of the outline, or across a jump of depth or normal
-  kGrazing = 8,        // seen too flat for its footprint to be trusted
-  kUnlikeOthers = 16,  // an outlier among its neighbours
-  kLostInNoise = 32,   // cut off at the sensor's floor
-};
 
 // The part of a pixel's width over which it averages. Of the mean over 5 x 5 points, as renderers
 // take it (ours by default too), the variance is 24/25 of a box's; a camera's is known no better.
@@ -37,16 +23,28 @@ struct PixelGeometry {
   bool smooth = false;  // the footprint lies on one smooth piece of surface
 };
 
-// A keyframe's usable pixels, before they are packed.
-struct FramePixels {
-  std::vector<PixelGeometry> geometry;
-  std::vector<std::uint32_t> pixel;
-  cv::Mat1b flags;
-};
+// Traces pixels of one keyframe. Geometry and rays must outlive it. Safe to use from several
+// threads.
+class PixelTracer {
+ public:
+  PixelTracer(const calib::RigPoses& poses, const target::Geometry& geometry,
+              const calib::RayGrid& rays);
 
-// Traces the rays of all pixels of the mask, in parallel, deterministically.
-FramePixels TraceKeyframe(const model::Keyframe& keyframe, const target::Geometry& geometry,
-                          const calib::RayGrid& rays);
+  // About the point (column + du, row + dv), |du|, |dv| <= 0.5. None if that point meets nothing.
+  std::optional<PixelGeometry> Trace(int column, int row, double du = 0.0, double dv = 0.0) const;
+  // n.v at the pixel's middle, as Trace gives it; none if that meets nothing.
+  std::optional<double> Cosine(int column, int row) const;
+
+ private:
+  struct Hit;
+  std::optional<Hit> TraceRay(int column, int row, double du, double dv) const;
+  bool Smooth(const Hit& a, const Hit& b, const Hit& c) const;
+
+  calib::Pose X_WT_;
+  const target::Geometry& geometry_;
+  const calib::RayGrid& rays_;
+  calib::Pose X_TC_;
+};
 
 // One pixel's width about an image point; not smooth if it meets no one piece of surface all round.
 // None if its middle meets nothing, or lies outside the picture.

@@ -1,6 +1,7 @@
 #include "estimator/observe/usable.h"
 
 #include "base/format.h"
+#include "estimator/observe/keyframe_tracer.h"
 #include "estimator/observe/radiance_statistics.h"
 
 namespace turnlight::estimator::observe {
@@ -27,8 +28,7 @@ std::string WhyUnusable(const FlagCounts& counts) {
 
 }  // namespace
 
-FlagCounts CountFlags(const std::vector<cv::Mat1b>& flags) {
-  FlagCounts counts;
+FlagCounts CountFlags(const std::vector<cv::Mat1b>& flags, FlagCounts counts) {
   for (const cv::Mat1b& picture : flags)
     for (const std::uint8_t flag : picture) {
       if (flag & kOffTarget) continue;

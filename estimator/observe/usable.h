@@ -14,7 +14,8 @@ namespace turnlight::estimator::observe {
 struct FlagCounts {
   std::size_t on_target = 0, saturated = 0, outliers = 0, lost = 0, edge = 0;
 };
-FlagCounts CountFlags(const std::vector<cv::Mat1b>& flags);
+// Added to counts.
+FlagCounts CountFlags(const std::vector<cv::Mat1b>& flags, FlagCounts counts = {});
 
 // Fails with kNoEstimate if fewer than 30 pixels are usable, or all of them are black. With counts
 // (optional) the text says why the others are not, and what to do.

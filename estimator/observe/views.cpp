@@ -4,15 +4,21 @@
 #include <cmath>
 
 namespace turnlight::estimator::observe {
+namespace {
+
+constexpr std::size_t kMostOfPicture = 100'000;  // pixels
+
+}  // namespace
 
 cv::Mat ViewSignature(const model::Keyframe& keyframe) {
-  constexpr int kStep = 3;
   const cv::Mat& image = keyframe.image.radiance;
-  cv::Mat out((image.rows + kStep - 1) / kStep, (image.cols + kStep - 1) / kStep, image.type());
+  int step = 3;
+  while (image.total() > kMostOfPicture * static_cast<std::size_t>(step * step)) ++step;
+  cv::Mat out((image.rows + step - 1) / step, (image.cols + step - 1) / step, image.type());
   for (int row = 0; row < out.rows; ++row)
     for (int column = 0; column < out.cols; ++column)
-      std::copy_n(image.ptr<float>(kStep * row) + kStep * column * image.channels(),
-                  image.channels(), out.ptr<float>(row) + column * image.channels());
+      std::copy_n(image.ptr<float>(step * row) + step * column * image.channels(), image.channels(),
+                  out.ptr<float>(row) + column * image.channels());
   return out;
 }
 

@@ -8,7 +8,8 @@
 
 namespace turnlight::estimator::observe {
 
-// What distinguishes one view's picture from another's: every third row and column of it.
+// What distinguishes one view's picture from another's: every third row and column of it, fewer
+// of a large one.
 cv::Mat ViewSignature(const model::Keyframe& keyframe);
 
 // Views whose pictures differ by more than noise (sigma of a value) from every earlier distinct

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <map>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -142,45 +144,40 @@ cv::Mat3b ComparisonPicture(const Panels& panels, double exposure, int enlarge,
   return page;
 }
 
-std::vector<std::size_t> ShownKeyframes(std::size_t count) {
-  const std::size_t shown = std::min(count, kMaxKeyframes);
-  std::vector<std::size_t> result;
-  for (std::size_t i = 0; i < shown; ++i) result.push_back(i * count / shown);
-  return result;
-}
-
-void AddComparisons(const std::vector<model::Keyframe>& keyframes,
-                    const std::vector<std::size_t>& shown, const target::Geometry& geometry,
-                    const calib::CameraModel& camera, const model::Scene& scene, int reduce,
-                    int enlarge, std::vector<NamedPicture>& pictures) {
+Status AddComparisons(const model::KeyframeSource& keyframes, const std::vector<std::size_t>& shown,
+                      const target::Geometry& geometry, const calib::CameraModel& camera,
+                      const model::Scene& scene, int reduce, int enlarge,
+                      std::vector<NamedPicture>& pictures) {
   const calib::RayGrid rays(camera);
   const int samples = enlarge > 1 ? 6 : 4;  // enlarging shows the steps of an edge
   std::vector<PictureView> views;
   views.reserve(shown.size());
   for (const std::size_t i : shown)
-    views.push_back({scene, geometry, camera, rays, keyframes[i].X_WC, keyframes[i].X_WT, samples});
+    views.push_back(
+        {scene, geometry, camera, rays, keyframes.poses[i].X_WC, keyframes.poses[i].X_WT, samples});
   const std::vector<VirtualSphere> spheres = PlaceSpheres(views);
   std::vector<Panels> panels;
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    const model::Keyframe& keyframe = keyframes[shown[i]];
+    const auto keyframe = keyframes.read(shown[i]);
+    if (!keyframe) return Forward(keyframe);
     panels.push_back(MakePanels(views[i], spheres[i],
-                                ColourPicture(keyframe.image.radiance, reduce),
-                                ReducedMask(keyframe.mask, reduce)));
+                                ColourPicture(keyframe->image.radiance, reduce),
+                                ReducedMask(keyframe->mask, reduce)));
   }
   const double exposure = CommonExposure(panels);
   for (std::size_t i = 0; i < shown.size(); ++i)
     pictures.push_back({NumberedName("comparison", shown[i]),
                         ComparisonPicture(panels[i], exposure, enlarge, shown[i])});
+  return {};
 }
 
-void AddResiduals(const std::vector<cv::Mat1f>& residuals, const std::vector<std::size_t>& shown,
-                  int reduce, int enlarge, std::vector<NamedPicture>& pictures) {
+void AddResiduals(const std::map<std::size_t, cv::Mat1f>& residuals, int reduce, int enlarge,
+                  std::vector<NamedPicture>& pictures) {
   std::vector<std::size_t> numbers;
   std::vector<cv::Mat1f> maps;
-  for (const std::size_t i : shown) {
-    if (i >= residuals.size() || residuals[i].empty()) continue;
-    numbers.push_back(i);
-    maps.push_back(ReducedMap<1>(residuals[i], reduce, std::numeric_limits<float>::quiet_NaN()));
+  for (const auto& [keyframe, map] : residuals) {
+    numbers.push_back(keyframe);
+    maps.push_back(ReducedMap<1>(map, reduce, std::numeric_limits<float>::quiet_NaN()));
   }
   const double range = ResidualRange(maps);
   for (std::size_t i = 0; i < maps.size(); ++i)
@@ -192,20 +189,29 @@ void AddResiduals(const std::vector<cv::Mat1f>& residuals, const std::vector<std
 
 }  // namespace
 
-std::vector<NamedPicture> MakePictures(const std::vector<model::Keyframe>& keyframes,
-                                       const target::Geometry& geometry,
-                                       const calib::CameraModel& camera,
-                                       const EstimateOutput& output) {
+std::vector<std::size_t> ShownKeyframes(std::size_t count) {
+  const std::size_t shown = std::min(count, kMaxKeyframes);
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < shown; ++i) result.push_back(i * count / shown);
+  return result;
+}
+
+Result<std::vector<NamedPicture>> MakePictures(const model::KeyframeSource& keyframes,
+                                               const target::Geometry& geometry,
+                                               const calib::CameraModel& camera,
+                                               const EstimateOutput& output) {
   std::vector<NamedPicture> pictures;
   const int reduce = (camera.width() + kMaxPanelWidth - 1) / kMaxPanelWidth;
   const int width = camera.width() / reduce;
   const int enlarge = (kMinPanelWidth + width - 1) / width;
   const std::vector<std::size_t> shown = ShownKeyframes(keyframes.size());
   const auto shown_camera = Reduced(camera, reduce);
-  if (!shown.empty() && shown_camera)
-    AddComparisons(keyframes, shown, geometry, *shown_camera, output.estimate.ToScene(), reduce,
-                   enlarge, pictures);
-  AddResiduals(output.residuals, shown, reduce, enlarge, pictures);
+  if (!shown.empty() && shown_camera) {
+    const Status status = AddComparisons(keyframes, shown, geometry, *shown_camera,
+                                         output.estimate.ToScene(), reduce, enlarge, pictures);
+    if (!status) return Forward(status);
+  }
+  AddResiduals(output.residuals, reduce, enlarge, pictures);
   if (!output.map.intensity.empty())
     pictures.push_back({"intensity_map.png", IntensityPicture(output.map, output.estimate.lights)});
   if (!output.estimate.history.empty())

@@ -1,13 +1,15 @@
 // The pictures that an estimate is judged by with the eye. Values in, values out: no files.
 #pragma once
 
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "calib/camera_model.h"
 #include "estimator/estimate.h"
-#include "estimator/model/keyframe.h"
+#include "estimator/model/keyframe_source.h"
 #include "estimator/target/geometry.h"
 
 namespace turnlight::estimator::pictures {
@@ -30,10 +32,15 @@ struct NamedPicture {
 // Size: pictures less than 480 pixels wide are enlarged by a whole factor, those of more than 960
 // are reduced by one, originals and models alike.
 //
-// The keyframes' pictures have the camera's size. Deterministic for any number of threads.
-std::vector<NamedPicture> MakePictures(const std::vector<model::Keyframe>& keyframes,
-                                       const target::Geometry& geometry,
-                                       const calib::CameraModel& camera,
-                                       const EstimateOutput& output);
+// The keyframes' pictures have the camera's size; they are read one at a time. Residuals of other
+// keyframes are drawn too if output has them. Fails as the source does. Deterministic for any
+// number of threads.
+Result<std::vector<NamedPicture>> MakePictures(const model::KeyframeSource& keyframes,
+                                               const target::Geometry& geometry,
+                                               const calib::CameraModel& camera,
+                                               const EstimateOutput& output);
+
+// The numbers of those keyframes, of so many.
+std::vector<std::size_t> ShownKeyframes(std::size_t count);
 
 }  // namespace turnlight::estimator::pictures

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "estimator/observe/observations.h"
+#include "estimator/observe/trace_pixels.h"
 #include "estimator/solve/shadows.h"
 
 namespace turnlight::estimator::solve {

@@ -1,6 +1,7 @@
 #include "estimator/solve/shadows.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -70,20 +71,53 @@ void MarkTerminators(const observe::Observations& all, const std::vector<model::
   });
 }
 
+// Where the pixels of three rows of a keyframe are among the observations, as one goes down its
+// picture.
+class RowsAround {
+ public:
+  static constexpr std::uint32_t kNone = observe::Observations::kNoPixel;
+
+  // Of the observations [begin, end), whose pixels rise.
+  RowsAround(const observe::Observations& all, std::size_t begin, std::size_t end)
+      : all_(all), next_(begin), end_(end), width_(static_cast<std::uint32_t>(all.width)) {
+    index_.assign(std::size_t{3} * width_, kNone);
+  }
+
+  // On to a row, not above the one before.
+  void GoTo(std::uint32_t row) {
+    for (; next_ < end_ && all_.pixel[next_] != kNone; ++next_) {
+      const std::uint32_t of = all_.pixel[next_] / width_;
+      if (of > row + 1) return;
+      if (held_[of % 3] != of) {
+        std::fill_n(index_.begin() + static_cast<std::ptrdiff_t>(of % 3 * width_), width_, kNone);
+        held_[of % 3] = of;
+      }
+      index_[of % 3 * width_ + all_.pixel[next_] % width_] = static_cast<std::uint32_t>(next_);
+    }
+  }
+  // Of a pixel in the row or one beside it.
+  std::uint32_t At(std::int64_t row, std::int64_t column) const {
+    if (row < 0 || column < 0 || column >= width_) return kNone;
+    const auto r = static_cast<std::uint32_t>(row);
+    return held_[r % 3] == r ? index_[r % 3 * width_ + static_cast<std::uint32_t>(column)] : kNone;
+  }
+
+ private:
+  const observe::Observations& all_;
+  std::size_t next_, end_;
+  std::uint32_t width_;
+  std::vector<std::uint32_t> index_;
+  std::array<std::uint32_t, 3> held_{kNone, kNone, kNone};
+};
+
 // Marks, within keyframe k, every pixel one of whose eight neighbours is lit while it is blocked,
-// or the other way round.
+// or the other way round; also those whose neighbours were given up with their block, for an edge
+// could run between them.
 void MarkCastEdges(const observe::Observations& all, std::size_t k, const Shadows& shadows,
                    std::vector<std::uint8_t>& usable) {
-  constexpr std::uint32_t kNone = observe::Observations::kNoPixel;
   const std::size_t begin = all.tile_begin[k] * observe::kTile,
                     end = all.tile_begin[k + 1] * observe::kTile;
-  const auto width = static_cast<std::uint32_t>(all.width);
-  std::uint32_t last = 0;
-  for (std::size_t i = begin; i < end; ++i)
-    if (all.pixel[i] != kNone) last = std::max(last, all.pixel[i]);
-  std::vector<std::uint32_t> index(std::size_t{last} + 1, kNone);
-  for (std::size_t i = begin; i < end; ++i)
-    if (all.pixel[i] != kNone) index[all.pixel[i]] = static_cast<std::uint32_t>(i);
+  RowsAround around(all, begin, end);
   const auto differs = [&](std::size_t i, std::size_t j) {
     for (std::size_t l = 0; l < shadows.lit.size(); ++l)
       if (((*shadows.lit[l])[i] & (*shadows.blocked[l])[j]) != 0 ||
@@ -91,16 +125,20 @@ void MarkCastEdges(const observe::Observations& all, std::size_t k, const Shadow
         return true;
     return false;
   };
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::uint32_t pixel = all.pixel[i];
-    if (pixel == kNone) continue;
-    const auto column = static_cast<std::int64_t>(pixel % width);
-    const auto row = static_cast<std::int64_t>(pixel / width);
+  const auto given_up = [&](std::int64_t row, std::int64_t column) {
+    return row >= 0 && column >= 0 && column < all.width &&
+           !all.blocks.Keeps(static_cast<std::uint32_t>(k), static_cast<int>(column),
+                             static_cast<int>(row));
+  };
+  for (std::size_t i = begin; i < end && all.pixel[i] != RowsAround::kNone; ++i) {
+    const auto width = static_cast<std::uint32_t>(all.width);
+    const auto column = static_cast<std::int64_t>(all.pixel[i] % width);
+    const auto row = static_cast<std::int64_t>(all.pixel[i] / width);
+    around.GoTo(static_cast<std::uint32_t>(row));
     for (std::int64_t r = row - 1; r <= row + 1; ++r)
       for (std::int64_t c = column - 1; c <= column + 1; ++c) {
-        if (r < 0 || c < 0 || c >= all.width) continue;
-        const auto at = static_cast<std::size_t>(r * all.width + c);
-        if (at < index.size() && index[at] != kNone && differs(i, index[at])) usable[i] = 0;
+        const std::uint32_t at = around.At(r, c);
+        if (at != RowsAround::kNone ? differs(i, at) : given_up(r, c)) usable[i] = 0;
       }
   }
 }

@@ -28,10 +28,12 @@ TEST(ResidualMaps, HoldObservedMinusModel) {
   auto usable = std::make_shared<std::vector<std::uint8_t>>(all.size(), 1);
   (*usable)[7] = 0;
   options.shadows.usable = usable;
-  const auto maps = ResidualMaps(all, scene, options, {32, 16});
+  EXPECT_TRUE(ResidualMaps(all, scene, options, {32, 16}, {}).empty());
+  EXPECT_EQ(ResidualMaps(all, scene, options, {32, 16}, {1}).begin()->first, 1u);
+  const auto maps = ResidualMaps(all, scene, options, {32, 16}, {0, 1});
   ASSERT_EQ(maps.size(), 2u);
   for (std::size_t i = 0; i < 512; ++i) {
-    const cv::Mat1f& map = maps[i / 256];
+    const cv::Mat1f& map = maps.at(i / 256);
     ASSERT_EQ(map.size(), cv::Size(32, 16));
     const int at = static_cast<int>(2 * (i % 256)), row = at / 32, column = at % 32;
     EXPECT_TRUE(std::isnan(map(row, column + 1))) << "between";

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/angles.h"
 #include "base/parallel.h"
@@ -96,18 +97,18 @@ TEST(ClustersTest, NothingAboveTheHorizonIsAnError) {
 }
 
 TEST(PaperUpTest, NormalOfThePlaneElseTheWorldsAxis) {
-  std::vector<model::Keyframe> keyframes(2);
-  keyframes[0].X_WT.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitX()).matrix();
-  keyframes[1].X_WT.rotation = Eigen::AngleAxisd(-0.3, Vector3d::UnitX()).matrix();
+  std::vector<calib::RigPoses> poses(2);
+  poses[0].X_WT.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitX()).matrix();
+  poses[1].X_WT.rotation = Eigen::AngleAxisd(-0.3, Vector3d::UnitX()).matrix();
   const target::Geometry plane(calib::PlaneShape{});
-  EXPECT_LT(AngleDeg(PaperUp(keyframes, plane), Vector3d::UnitZ()), 1e-6);
-  keyframes.pop_back();
-  EXPECT_LT(AngleDeg(PaperUp(keyframes, plane), keyframes[0].X_WT.rotation.col(2)), 1e-6);
-  EXPECT_EQ(PaperUp(keyframes, target::Geometry(calib::SphereShape{})), Vector3d::UnitZ());
-  keyframes.resize(2);
-  keyframes[0].X_WT.rotation = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()).matrix();
-  keyframes[1].X_WT.rotation = Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitX()).matrix();
-  EXPECT_EQ(PaperUp(keyframes, plane), Vector3d::UnitZ());
+  EXPECT_LT(AngleDeg(PaperUp(poses, plane), Vector3d::UnitZ()), 1e-6);
+  poses.pop_back();
+  EXPECT_LT(AngleDeg(PaperUp(poses, plane), poses[0].X_WT.rotation.col(2)), 1e-6);
+  EXPECT_EQ(PaperUp(poses, target::Geometry(calib::SphereShape{})), Vector3d::UnitZ());
+  poses.resize(2);
+  poses[0].X_WT.rotation = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()).matrix();
+  poses[1].X_WT.rotation = Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitX()).matrix();
+  EXPECT_EQ(PaperUp(poses, plane), Vector3d::UnitZ());
 }
 
 // One pixel at the reference, seen and lit along its normal: S = O (k_a + k_d / s^2) + k_s / s^2.
@@ -318,8 +319,15 @@ rig::sim::SyntheticConfig OneLight() {
 }
 
 Result<EstimateOutput> RunPaper(const rig::sim::SyntheticSession& session) {
-  return EstimateByPaper(rig::sim::ToKeyframes(session), target::Geometry(session.target),
-                         calib::RayGrid(session.camera), {});
+  const auto keyframes = rig::sim::ToKeyframes(session);
+  EstimateOptions options;
+  options.residuals_of = [](std::size_t count) {
+    std::vector<std::size_t> all(count);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+  };
+  return EstimateByPaper(model::SourceOf(keyframes), target::Geometry(session.target),
+                         calib::RayGrid(session.camera), {}, options);
 }
 
 TEST(PaperEstimateTest, OneLightOnASphere) {
@@ -344,7 +352,7 @@ TEST(PaperEstimateTest, OneLightOnASphere) {
   EXPECT_LT(e.rms, 0.2 * e.initial_rms);
   // The residual maps are those of this scene.
   double sum = 0.0, count = 0.0;
-  for (const cv::Mat1f& map : output->residuals)
+  for (const auto& [keyframe, map] : output->residuals)
     for (const float value : map) {
       if (std::isnan(value)) continue;
       sum += double{value} * double{value};

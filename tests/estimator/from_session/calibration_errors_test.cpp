@@ -52,8 +52,9 @@ class Carried : public testing::Test {
   // The estimate with the calibration moved.
   Eigen::VectorXd Moved(std::size_t item, std::size_t direction, double sigmas) const {
     const MovedCalibration moved = errors_.move(item, direction, sigmas);
-    std::vector<model::Keyframe> keyframes = estimated_->keyframes;
-    for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    std::vector<model::Keyframe> keyframes;
+    for (std::size_t k = 0; k < estimated_->keyframes.size(); ++k) {
+      keyframes.push_back(estimated_->keyframes.read(k).value());
       keyframes[k].X_WC = moved.poses[k].X_WC;
       keyframes[k].X_WT = moved.poses[k].X_WT;
       if (moved.radiance) keyframes[k].image.radiance = *moved.radiance(k);

@@ -75,7 +75,7 @@ TEST_F(FromSession, ViewsAreSpreadOverTheFrames) {
   const auto estimate = EstimateSession(session(), options);
   ASSERT_TRUE(estimate) << estimate.error().text;
   ASSERT_EQ(estimate->keyframes.size(), 3u);
-  EXPECT_EQ(estimate->keyframes[1].X_WC.rotation, estimate->session.frames[2].X_WC.rotation);
+  EXPECT_EQ(estimate->keyframes.poses[1].X_WC.rotation, estimate->session.frames[2].X_WC.rotation);
 }
 
 TEST_F(FromSession, ProgressIsToldInOrder) {
@@ -90,7 +90,7 @@ TEST_F(FromSession, ProgressIsToldInOrder) {
     ASSERT_TRUE(estimate) << estimate.error().text;
     std::vector<Told> expected;
     for (std::size_t i = 0; i <= kFrames; ++i) expected.push_back({Stage::kReading, i, kFrames});
-    for (const Stage stage : {Stage::kObserving, Stage::kStarting, Stage::kRefining})
+    for (const Stage stage : {Stage::kStarting, Stage::kRefining})
       for (const std::size_t done : {0u, 1u}) expected.push_back({stage, done, 1});
     EXPECT_EQ(told, expected);
   }
@@ -99,8 +99,7 @@ TEST_F(FromSession, ProgressIsToldInOrder) {
 // The flag is set as the stage begins, as Ctrl-C or another thread could.
 TEST_F(FromSession, AStopFlagEndsEveryStageSoon) {
   for (const results::Method method : {results::Method::kLeastSquares, results::Method::kPaper})
-    for (const Stage last :
-         {Stage::kReading, Stage::kObserving, Stage::kStarting, Stage::kRefining}) {
+    for (const Stage last : {Stage::kReading, Stage::kStarting, Stage::kRefining}) {
       StopFlag stop{false};
       std::vector<Stage> begun;
       std::chrono::steady_clock::time_point set;

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 TEST(ObserveScene, GivesPixelsCountsAndSignatures) {
   const TinyBall ball(TwoLights(), 3);
-  const auto scene = ObserveScene(ball.keyframes, ball.geometry, ball.rays);
+  const auto scene = ObserveScene(model::SourceOf(ball.keyframes), ball.geometry, ball.rays);
   ASSERT_TRUE(scene) << scene.error().text;
   EXPECT_EQ(scene->signatures.size(), 3u);
   EXPECT_EQ(scene->counts.saturated, 0u);
@@ -26,7 +26,7 @@ TEST(ObserveScene, GivesPixelsCountsAndSignatures) {
 }
 
 void ExpectRefusal(const TinyBall& ball, const char* words) {
-  const auto scene = ObserveScene(ball.keyframes, ball.geometry, ball.rays);
+  const auto scene = ObserveScene(model::SourceOf(ball.keyframes), ball.geometry, ball.rays);
   ASSERT_FALSE(scene) << words;
   EXPECT_EQ(scene.error().kind, ErrorKind::kNoEstimate);
   EXPECT_THAT(scene.error().text, HasSubstr(words));

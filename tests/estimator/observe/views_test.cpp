@@ -34,6 +34,15 @@ TEST(ViewSignature, IsEveryThirdPixel) {
       EXPECT_EQ(signature(row, column), picture(3 * row, 3 * column));
 }
 
+// However large a picture is, what is kept of it is not.
+TEST(ViewSignature, IsBounded) {
+  model::Keyframe keyframe;
+  keyframe.image.radiance = cv::Mat1f(1500, 2000, 0.5f);
+  const cv::Mat1f signature = ViewSignature(keyframe);
+  EXPECT_LE(signature.total(), 101'000u);
+  EXPECT_GE(signature.total(), 70'000u);
+}
+
 TEST(DistinctViews, NoiseAloneMakesNone) {
   const std::vector<cv::Mat> same = {NoisyView(0.5, 0.01, 1), NoisyView(0.5, 0.01, 2),
                                      NoisyView(0.5, 0.01, 3)};

@@ -43,11 +43,12 @@ struct Case {
       if (channels == 1) cv::extractChannel(radiance, radiance, 0);
       const cv::Mat1b nothing(radiance.size(), uchar{0});
       this->keyframes.push_back({{radiance, nothing, {}}, 255 - nothing, X_WC, {}});
-      output.residuals.push_back(cv::Mat1f(radiance.size(), 0.001f));
     }
+    for (const std::size_t i : ShownKeyframes(this->keyframes.size()))
+      output.residuals[i] = cv::Mat1f(this->keyframes[i].image.radiance.size(), 0.001f);
   }
   std::vector<NamedPicture> Make() const {
-    return MakePictures(keyframes, geometry, camera, output);
+    return MakePictures(model::SourceOf(keyframes), geometry, camera, output).value();
   }
 
   calib::CameraModel camera;
@@ -139,6 +140,21 @@ TEST(MakePictures, SameBitsForAnyNumberOfThreads) {
       EXPECT_EQ(cv::norm(one[i].image, again[i].image, cv::NORM_INF), 0.0) << one[i].name;
   }
   SetThreads(0);
+}
+
+TEST(MakePictures, AResidualThatWasAskedForBesidesIsDrawn) {
+  Case scene(64, 9);
+  scene.output.residuals[8] = scene.output.residuals[0].clone();
+  EXPECT_THAT(Names(scene.Make()), testing::Contains("residual_008.png"));
+}
+
+TEST(MakePictures, AKeyframeThatCannotBeReadIsAnError) {
+  const Case scene(64, 2);
+  model::KeyframeSource source = model::SourceOf(scene.keyframes);
+  source.read = [](std::size_t) -> Result<model::Keyframe> { return InputError("gone"); };
+  const auto made = MakePictures(source, scene.geometry, scene.camera, scene.output);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().text, "gone");
 }
 
 }  // namespace
