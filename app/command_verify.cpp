@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "base/format.h"
+#include "estimator/from_session/frame_doubts.h"
 #include "rig/capture/closure_check.h"
 #include "rig/session/session.h"
 
@@ -36,6 +39,58 @@ int Verify(const std::string& folder) {
   return report->session_good && report->frames > 0 ? kIncomplete : kRefused;
 }
 
+void PrintFrames(const estimator::from_session::ModelCheck& check) {
+  const estimator::consistency::FramesJudged& judged = check.found.frames;
+  if (check.frames.empty()) {
+    std::cout << Format("model: fewer than %zu frames: none can be judged by the others\n",
+                        estimator::consistency::kFewestJudged);
+    return;
+  }
+  std::cout << Format("model: what the other frames leave of each, of white; %.2g is usual\n",
+                      judged.usual)
+            << "  frame    angle   residual  brightness  file\n";
+  for (const auto& frame : check.frames) {
+    const auto& of = frame.judged.residual;
+    std::cout << Format("  %5zu %8s  %9.2g  %10.3f  ", frame.number,
+                        frame.angle_deg ? Format("%.1f", *frame.angle_deg).c_str() : "-", of.left,
+                        of.gain)
+              << frame.file << (frame.judged.odd ? "  <- " + frame.judged.what : "") << "\n";
+  }
+}
+
+void PrintChanges(const estimator::consistency::Consistency& found) {
+  constexpr std::size_t kMostShown = 8;
+  if (found.tried.empty()) return;
+  std::cout << Format(
+      "poses: what some lights or other leave of the pictures, of white: %.2g as "
+      "they are; a fit leaves %.2g\n",
+      found.left, found.rms);
+  for (std::size_t i = 0; i < std::min(found.tried.size(), kMostShown); ++i) {
+    const auto& tried = found.tried[i];
+    std::cout << Format("  %9.2g  ", tried.left) << tried.words
+              << (tried.rms ? Format("; a fit leaves %.2g", *tried.rms) : "") << "\n";
+  }
+  if (found.tried.size() > kMostShown)
+    std::cout << Format("  and %zu more that leave more\n", found.tried.size() - kMostShown);
+}
+
+// Exit code 3 if a frame or the poses do not fit.
+int VerifyAgainstModel(const std::string& folder) {
+  const auto check = estimator::from_session::CheckModel(folder, &InterruptFlag());
+  if (!check) return Fail(check.error());
+  PrintFrames(*check);
+  PrintChanges(check->found);
+  const std::size_t odd = estimator::from_session::OddViews(check->found).size();
+  if (check->found.change)
+    std::cout << "problem: " << estimator::from_session::WordsOfChange(check->found) << std::endl;
+  else if (odd > 0)
+    std::cout << "problem: " << Count(odd, "frame") << (odd == 1 ? " does" : " do")
+              << " not belong to the others" << std::endl;
+  else
+    std::cout << "frames and poses belong together, as far as pictures can tell" << std::endl;
+  return check->found.change || odd > 0 ? kIncomplete : kDone;
+}
+
 }  // namespace
 
 void AddVerify(CLI::App& program, Action& action) {
@@ -44,9 +99,22 @@ void AddVerify(CLI::App& program, Action& action) {
       "Check a session: every file, checksum, pose and size. Exit code 0 if all is well, 3 if some "
       "frames are bad and the rest is good, 2 otherwise",
       "turnlight verify my_session");
-  auto folder = std::make_shared<std::string>();
-  command->add_option("SESSION", *folder, "The session's folder")->required();
-  command->callback([folder, &action] { action = [folder] { return Verify(*folder); }; });
+  struct Arguments {
+    std::string folder;
+    bool model = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("SESSION", arguments->folder, "The session's folder")->required();
+  command->add_flag("--model", arguments->model,
+                    "Also fit a scene, and tell which frames do not belong to the others and which "
+                    "change of all poses would explain the pictures: exit code 3 if something does "
+                    "not fit. It changes nothing");
+  command->callback([arguments, &action] {
+    action = [arguments] {
+      const int files = Verify(arguments->folder);
+      return arguments->model && files == kDone ? VerifyAgainstModel(arguments->folder) : files;
+    };
+  });
 }
 
 }  // namespace turnlight::app

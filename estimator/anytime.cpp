@@ -1,21 +1,78 @@
 #include "estimator/anytime.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "base/statistics.h"
+#include "estimator/consistency/odd_frames.h"
+#include "estimator/notes.h"
+#include "estimator/observe/radiance_statistics.h"
 #include "estimator/observe/views.h"
+#include "estimator/residual_maps.h"
 
 namespace turnlight::estimator {
+namespace {
+
+constexpr double kOneFrame = 3.0;  // times the usual rms that one keyframe may leave
+
+}  // namespace
 
 void AnytimeEstimator::Add(const model::Keyframe& keyframe) {
   parts_.push_back(observe::BuildObservations({keyframe}, geometry_, rays_));
   signatures_.push_back(observe::ViewSignature(keyframe));
+  if (!small_) {
+    const int block =
+        consistency::BlockFor(camera_, geometry_, {{keyframe.X_WC, keyframe.X_WT}});
+    small_.emplace(consistency::SmallViews{camera_.InBlocks(block), block, {}});
+  }
+  small_->views.push_back(consistency::MakeSmallView(keyframe, small_->block));
+}
+
+Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {
+  EstimateOptions options;
+  if (!cold) options.warm_start = current_->ToScene();
+  std::vector<observe::Observations> parts;
+  std::vector<cv::Mat> signatures;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    if (odd_.contains(k)) continue;
+    parts.push_back(parts_[k]);
+    signatures.push_back(signatures_[k]);
+  }
+  const observe::Observations all = observe::Concatenate(parts);
+  select::Refined refined;
+  auto estimate = EstimateObservations(all, signatures, options, nullptr, &refined);
+  if (!estimate) return estimate;
+  std::vector<double> rms =
+      RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
+  const double largest = *std::max_element(rms.begin(), rms.end());
+  doubtful = largest > kOneFrame * Median(rms) ||
+             (cold && Unexplained(estimate->rms, observe::EstimateNoise(all)));
+  return estimate;
+}
+
+// Whether others are odd now than before.
+bool AnytimeEstimator::LookForOddKeyframes() {
+  if (parts_.size() < consistency::kFewestJudged) return false;
+  const calib::RayGrid rays(small_->camera);
+  std::vector<model::Keyframe> keyframes;
+  for (const consistency::SmallView& view : small_->views)
+    keyframes.push_back(consistency::ToKeyframe(view, view.poses));
+  const observe::Observations all = observe::BuildObservations(keyframes, geometry_, rays);
+  const consistency::FramesJudged judged =
+      consistency::JudgeFrames(*small_, all, geometry_, rays, {}, nullptr);
+  std::map<std::size_t, std::string> odd;
+  for (std::size_t k = 0; k < judged.frames.size(); ++k)
+    if (judged.frames[k].odd) odd.emplace(k, judged.frames[k].what);
+  std::swap(odd, odd_);
+  return odd != odd_;
 }
 
 Status AnytimeEstimator::Step() {
-  EstimateOptions options;
   const bool cold = !current_ || parts_.size() >= next_cold_;
-  if (!cold) options.warm_start = current_->ToScene();
-  auto estimate = EstimateObservations(observe::Concatenate(parts_), signatures_, options);
+  bool doubtful = false;
+  auto estimate = Solve(cold, doubtful);
+  // What is black or upside down can spoil the estimate so that there is none.
+  if ((!estimate || doubtful) && LookForOddKeyframes()) estimate = Solve(true, doubtful);
   if (!estimate) return Forward(estimate);
   if (cold) next_cold_ = 2 * parts_.size();
   current_ = std::move(*estimate);

@@ -3,9 +3,13 @@
 // again from a canonical start (EstimateScene), so that it does not depend on the order of events.
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "estimator/consistency/small_views.h"
 #include "estimator/estimate.h"
 
 namespace turnlight::estimator {
@@ -13,11 +17,15 @@ namespace turnlight::estimator {
 class AnytimeEstimator {
  public:
   // Both must outlive the estimator.
-  AnytimeEstimator(const target::Geometry& geometry, const calib::RayGrid& rays)
-      : geometry_(geometry), rays_(rays) {}
+  AnytimeEstimator(const target::Geometry& geometry, const calib::RayGrid& rays,
+                   const calib::CameraModel& camera)
+      : geometry_(geometry), rays_(rays), camera_(camera) {}
 
   // Takes a keyframe in; traces it, does not solve.
   void Add(const model::Keyframe& keyframe);
+  // Keyframes that do not belong to the others, by number from 0 in their order, with what is odd
+  // about them; as the last step found. They are left out of its estimate.
+  const std::map<std::size_t, std::string>& OddKeyframes() const { return odd_; }
   // Solves with all keyframes so far: from the last estimate, or, whenever their number has doubled
   // since the last time (and while there is no estimate), looking for the lights anew.
   // Deterministic in the order of calls. Fails with kNoEstimate while nothing usable was seen; the
@@ -28,10 +36,17 @@ class AnytimeEstimator {
   std::size_t keyframes() const { return parts_.size(); }
 
  private:
+  // The estimate of the keyframes that are not odd; doubtful: some may be, by what it leaves.
+  Result<Estimate> Solve(bool cold, bool& doubtful) const;
+  bool LookForOddKeyframes();
+
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
+  const calib::CameraModel camera_;
   std::vector<observe::Observations> parts_;  // one per keyframe
   std::vector<cv::Mat> signatures_;
+  std::optional<consistency::SmallViews> small_;
+  std::map<std::size_t, std::string> odd_;
   std::optional<Estimate> current_;
   std::size_t next_cold_ = 1;
 };

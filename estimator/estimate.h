@@ -127,6 +127,11 @@ struct EstimateOutput {
   observe::IntensityMap map;
   // By keyframe, of those that were asked for: grey observed minus model; NaN where unobserved.
   std::map<std::size_t, cv::Mat1f> residuals;
+  // The same of frames that were left out because they do not belong to the others, by the number
+  // that they have in the session.
+  std::map<std::size_t, cv::Mat1f> left_out;
+  double noise = 0.0;             // sigma of a value, radiance
+  std::vector<double> frame_rms;  // of what the model leaves of each keyframe; 0 of none
 };
 
 // How a fit of these observations answers to the calibration's errors; nothing: they are none.

@@ -1,9 +1,13 @@
 #include "estimator/residual_maps.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "estimator/solve/coordinates.h"
+#include "estimator/solve/footprints.h"
 #include "estimator/solve/prediction.h"
+#include "estimator/solve/shadows.h"
 
 namespace turnlight::estimator {
 
@@ -28,6 +32,38 @@ std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
     maps.emplace(k, std::move(map));
   }
   return maps;
+}
+
+std::vector<double> RmsByKeyframe(const observe::Observations& all, const model::Scene& scene,
+                                  const solve::EvaluateOptions& options) {
+  const auto model = solve::Predict(all, scene, options);
+  std::vector<double> out;
+  for (std::size_t k = 0; k + 1 < all.tile_begin.size(); ++k) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = all.tile_begin[k] * observe::kTile;
+         i < all.tile_begin[k + 1] * observe::kTile; ++i) {
+      if (all.pixel[i] == observe::Observations::kNoPixel) continue;
+      if (options.shadows.usable && (*options.shadows.usable)[i] == 0) continue;
+      for (int c = 0; c < all.channels; ++c, ++count) {
+        const auto left =
+            static_cast<double>(all.radiance[c][i] - model[static_cast<std::size_t>(c)][i]);
+        sum += left * left;
+      }
+    }
+    out.push_back(count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0);
+  }
+  return out;
+}
+
+cv::Mat1f ResidualMapOf(const model::Keyframe& keyframe, const target::Geometry& geometry,
+                        const calib::RayGrid& rays, const model::Scene& scene) {
+  const observe::Observations all = observe::BuildObservations({keyframe}, geometry, rays);
+  const model::Scene own = solve::ToSolver(scene, all);
+  solve::EvaluateOptions options;
+  options.samples_per_side = solve::FootprintSamples(all, own.reflectance.shininess, 2);
+  options.shadows = solve::CastShadows(all, own);
+  return ResidualMaps(all, own, options, {rays.width(), rays.height()}, {0}).at(0);
 }
 
 }  // namespace turnlight::estimator

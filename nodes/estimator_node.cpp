@@ -13,7 +13,7 @@ Status EstimatorNode::OnCameraModel(const graph::Message<CameraModel>& model) {
   const auto camera = calib::CameraModel::FromString(model->text, "camera_model");
   if (!camera) return Forward(camera);
   rays_.emplace(*camera);
-  anytime_.emplace(geometry_, *rays_);
+  anytime_.emplace(geometry_, *rays_, *camera);
   camera_sha256_ = model->sha256;
   return {};
 }
@@ -36,6 +36,10 @@ Status EstimatorNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
     ReportFault("no-estimate", status.error().text);
     return {};
   }
+  for (const auto& [number, what] : anytime_->OddKeyframes())
+    if (told_.insert(number).second)
+      ReportFault("odd-keyframe", "keyframe " + std::to_string(number) + " " + what +
+                                      "; it is left out of the estimates");
   PublishCurrent(keyframe.header.valid_at);
   return {};
 }

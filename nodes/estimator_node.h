@@ -4,9 +4,11 @@
 //   in       keyframe      Keyframe; the closure frame is not used
 //   out      estimate      Estimate
 //   params   every (1): solve after so many keyframes
+//   faults   no-estimate: nothing usable yet; odd-keyframe: one that does not belong to the others
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "calib/camera_model.h"
@@ -37,6 +39,7 @@ class EstimatorNode : public graph::Node {
   estimator::target::Geometry geometry_;
   std::optional<calib::RayGrid> rays_;
   std::optional<estimator::AnytimeEstimator> anytime_;
+  std::set<std::size_t> told_;  // odd keyframes, each once
 };
 
 }  // namespace turnlight::nodes

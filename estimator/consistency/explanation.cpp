@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRays = 12000.0;  // of all views
+constexpr double kRays = 12000.0;                    // of all views
 constexpr int kWideLights = 32, kNarrowLights = 96;  // as far apart as their lobes are wide
 constexpr int kSweeps = 200;
 constexpr float kSettled = 1e-5f;
@@ -37,8 +37,7 @@ void FillRow(const Seen& seen, const std::vector<Vector3d>& wide,
     columns(row, at++) = static_cast<float>(lambert(light));
     columns(row, at++) = static_cast<float>(lobe(light));
   }
-  for (const Vector3d& light : narrow)
-    columns(row, at++) = static_cast<float>(narrow_lobe(light));
+  for (const Vector3d& light : narrow) columns(row, at++) = static_cast<float>(narrow_lobe(light));
 }
 
 // Minimises |A x - y|^2 over x >= 0 by turns: gram = A^T A, b = A^T y. Returns 2 b.x - x.gram x:
@@ -69,8 +68,7 @@ Explainer::Explainer(const SmallViews& views, const target::Geometry& geometry,
       rays_(rays),
       wide_(model::SphereDirections(kWideLights)),
       narrow_(model::SphereDirections(kNarrowLights)) {
-  const double pixels =
-      static_cast<double>(views.views.size()) * rays.width() * rays.height();
+  const double pixels = static_cast<double>(views.views.size()) * rays.width() * rays.height();
   const auto stride =
       static_cast<std::uint32_t>(std::max(1.0, std::floor(std::sqrt(pixels / kRays))));
   for (std::uint32_t row = stride / 2; row < static_cast<std::uint32_t>(rays.height());
@@ -94,8 +92,8 @@ Design Explainer::DesignOf(const std::vector<calib::RigPoses>& poses) const {
   ParallelFor(poses.size(), [&](std::size_t k) {
     const calib::Pose X_TC = poses[k].X_WT.Inverse() * poses[k].X_WC;
     for (std::uint32_t s = 0; s < samples_.size(); ++s) {
-      const Vector3d ray = rays_.Ray(static_cast<int>(samples_[s].column),
-                                     static_cast<int>(samples_[s].row));
+      const Vector3d ray =
+          rays_.Ray(static_cast<int>(samples_[s].column), static_cast<int>(samples_[s].row));
       if (!ray.allFinite()) continue;
       const Vector3d direction = X_TC.rotation * ray;
       const auto hit = geometry_.Intersect(X_TC.translation, direction);
@@ -140,8 +138,8 @@ double Explainer::Residual(const Design& design, const std::vector<std::size_t>&
     }
   }
   const auto on_target = static_cast<double>(
-      y.squaredNorm() - (y.size() > 0 ? Explained(design.gram, design.columns.transpose() * y)
-                                      : 0.0f));
+      y.squaredNorm() -
+      (y.size() > 0 ? Explained(design.gram, design.columns.transpose() * y) : 0.0f));
   const double beside_left =
       count > 0 ? beside_squares - beside * beside / static_cast<double>(count) : 0.0;
   const double all = static_cast<double>(samples_.size()) * static_cast<double>(picture.size());

@@ -41,8 +41,8 @@ class Explainer {
   };
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
-  std::vector<Sampled> samples_;               // of every view
-  std::vector<std::vector<float>> radiance_;   // by view and sample; 0 outside the mask
+  std::vector<Sampled> samples_;                // of every view
+  std::vector<std::vector<float>> radiance_;    // by view and sample; 0 outside the mask
   std::vector<Eigen::Vector3d> wide_, narrow_;  // directions of lights
 };
 

@@ -134,8 +134,7 @@ model::Scene FitOn(const observe::Observations& all, const model::Scene& from,
   for (std::size_t i = 0; i < sample.size(); ++i)
     if (sample.pixel[i] != observe::Observations::kNoPixel)
       left.push_back(std::abs(model[0][i] - sample.radiance[0][i]));
-  options.evaluate.huber =
-      std::max(static_cast<double>(Median(left)) / kMedianOfNormal, 1e-6);
+  options.evaluate.huber = std::max(static_cast<double>(Median(left)) / kMedianOfNormal, 1e-6);
   return solve::SolveSettled(sample, from, options, 1).scene;
 }
 

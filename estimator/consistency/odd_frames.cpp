@@ -11,10 +11,10 @@
 namespace turnlight::estimator::consistency {
 namespace {
 
-constexpr double kCore = 0.7;          // share of the frames that a fit concentrates on
+constexpr double kCore = 0.7;  // share of the frames that a fit concentrates on
 constexpr int kConcentrations = 6, kRounds = 3;
 constexpr double kTimesUsual = 4.0, kSigmas = 6.0;
-constexpr double kLeastLeft = 0.004;   // of the level
+constexpr double kLeastLeft = 0.004;  // of the level
 constexpr double kLeastGainStep = 0.03;
 constexpr double kLeastMaskStep = 0.05;
 constexpr std::size_t kNeighbours = 2;  // on each side
@@ -63,8 +63,8 @@ std::vector<double> GainSteps(const std::vector<FrameResidual>& residuals,
     if (around.size() < 2) continue;
     std::sort(around.begin(), around.end());
     const std::size_t half = around.size() / 2;
-    const double middle = around.size() % 2 == 1 ? around[half]
-                                                 : 0.5 * (around[half - 1] + around[half]);
+    const double middle =
+        around.size() % 2 == 1 ? around[half] : 0.5 * (around[half - 1] + around[half]);
     steps[k] = residuals[k].gain - middle;
   }
   return steps;
@@ -113,7 +113,8 @@ class Judging {
       : views_(views), all_(all), choice_(choice), stop_(stop) {}
 
   std::vector<FrameResidual> ResidualsOf(const model::Scene& scene) const {
-    const std::vector<cv::Mat1f> models = ModelPictures(all_, scene, views_.views[0].radiance.size());
+    const std::vector<cv::Mat1f> models =
+        ModelPictures(all_, scene, views_.views[0].radiance.size());
     std::vector<FrameResidual> out;
     for (std::size_t k = 0; k < models.size(); ++k)
       out.push_back(Compare(views_.views[k].radiance, models[k]));
@@ -149,8 +150,8 @@ class Judging {
       odd = verdict.odd;
       if (settled || static_cast<double>(CountOf(odd)) > kMostOdd * static_cast<double>(odd.size()))
         break;
-      out.scene = CountOf(odd) == 0 ? of_all.scene
-                                    : FitAnew(Only(all_, Not(odd)), choice_, stop_).scene;
+      out.scene =
+          CountOf(odd) == 0 ? of_all.scene : FitAnew(Only(all_, Not(odd)), choice_, stop_).scene;
     }
     out.odd = CountOf(odd);
     if (static_cast<double>(out.odd) > kMostOdd * static_cast<double>(odd.size())) {

@@ -14,17 +14,17 @@
 namespace turnlight::estimator::consistency {
 
 struct FrameJudgement {
-  FrameResidual residual;        // against the scene of the frames that are not odd
-  double mask_on_target = 1.0;   // of what the target covers, inside the mask; 1 without a mask
+  FrameResidual residual;       // against the scene of the frames that are not odd
+  double mask_on_target = 1.0;  // of what the target covers, inside the mask; 1 without a mask
   bool odd = false;
-  std::string what;              // of an odd one: what is odd about it, "is black"
+  std::string what;  // of an odd one: what is odd about it, "is black"
 };
 
 struct FramesJudged {
   std::vector<FrameJudgement> frames;
-  double usual = 0.0;     // what is left of a usual frame, radiance
-  double level = 0.0;     // radiance of the model in a usual frame, rms
-  model::Scene scene;     // of the frames that are not odd, in the observations' coordinates
+  double usual = 0.0;       // what is left of a usual frame, radiance
+  double level = 0.0;       // radiance of the model in a usual frame, rms
+  model::Scene scene;       // of the frames that are not odd, in the observations' coordinates
   double rms_of_all = 0.0;  // what a fit of all frames leaves
   std::size_t odd = 0;
 };

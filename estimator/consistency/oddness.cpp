@@ -12,12 +12,12 @@
 namespace turnlight::estimator::consistency {
 namespace {
 
-constexpr double kExplained = 2.5;   // times the usual that may be left by what explains a frame
-constexpr double kEmpty = 0.03;      // of the model's level
-constexpr double kLeastEmpty = 0.08; // of the target's rows or columns
-constexpr int kMostShift = 12;       // small pixels
+constexpr double kExplained = 2.5;    // times the usual that may be left by what explains a frame
+constexpr double kEmpty = 0.03;       // of the model's level
+constexpr double kLeastEmpty = 0.08;  // of the target's rows or columns
+constexpr int kMostShift = 12;        // small pixels
 constexpr double kMaskStep = 0.05;
-constexpr double kRough = 0.3;       // of the level, what shading never shows
+constexpr double kRough = 0.3;  // of the level, what shading never shows
 
 double Level(const cv::Mat1f& model) {
   double sum = 0.0;
@@ -62,10 +62,9 @@ std::pair<std::size_t, std::size_t> EmptyRun(const std::vector<Line>& lines, dou
   std::pair<std::size_t, std::size_t> longest{0, 0};
   std::size_t first = lines.size();
   for (std::size_t i = 0; i <= lines.size(); ++i) {
-    const bool empty =
-        i < lines.size() && lines[i].pixels > 0 &&
-        lines[i].expected > 0.1 * level * static_cast<double>(lines[i].pixels) &&
-        lines[i].shown < kEmpty * lines[i].expected;
+    const bool empty = i < lines.size() && lines[i].pixels > 0 &&
+                       lines[i].expected > 0.1 * level * static_cast<double>(lines[i].pixels) &&
+                       lines[i].shown < kEmpty * lines[i].expected;
     if (empty && first == lines.size()) first = i;
     if (!empty && first != lines.size()) {
       if (i - first > longest.second - longest.first) longest = {first, i};
@@ -86,8 +85,8 @@ cv::Mat1f Moved(const cv::Mat1f& picture, int dx, int dy) {
   cv::Mat1f out(picture.size());
   for (int row = 0; row < out.rows; ++row)
     for (int column = 0; column < out.cols; ++column)
-      out(row, column) = picture(std::clamp(row + dy, 0, out.rows - 1),
-                                 std::clamp(column + dx, 0, out.cols - 1));
+      out(row, column) =
+          picture(std::clamp(row + dy, 0, out.rows - 1), std::clamp(column + dx, 0, out.cols - 1));
   return out;
 }
 
@@ -135,8 +134,8 @@ std::string Oddness::Emptiness(std::size_t k) const {
   for (const bool rows : {true, false}) {
     const std::vector<Line> lines = LinesOf(picture, models_[k], rows);
     const auto [first, end] = EmptyRun(lines, level);
-    const auto seen = std::count_if(lines.begin(), lines.end(),
-                                    [](const Line& line) { return line.pixels > 0; });
+    const auto seen =
+        std::count_if(lines.begin(), lines.end(), [](const Line& line) { return line.pixels > 0; });
     if (static_cast<double>(end - first) < kLeastEmpty * static_cast<double>(seen)) continue;
     const auto block = static_cast<std::size_t>(views_.block);
     return Format("is empty in %s %zu to %zu", rows ? "rows" : "columns", first * block,
@@ -175,8 +174,9 @@ std::string Oddness::Turn(std::size_t k) const {
     const char* words;
   };
   const double now = LeftAs(k, k);
-  for (const Way& way : {Way{-1, "is upside down (turned by 180 degrees)"},
-                         Way{1, "is mirrored left to right"}, Way{0, "is mirrored top to bottom"}}) {
+  for (const Way& way :
+       {Way{-1, "is upside down (turned by 180 degrees)"}, Way{1, "is mirrored left to right"},
+        Way{0, "is mirrored top to bottom"}}) {
     const FrameResidual turned = Compare(Flipped(views_.views[k].radiance, way.code), models_[k]);
     if (turned.left < 0.5 * now && turned.left < kExplained * usual_) return way.words;
   }
@@ -195,9 +195,8 @@ std::string Oddness::Shift(std::size_t k) const {
       best_y = dy;
     }
   if (best_x == 0 && best_y == 0) return {};
-  return Format(
-      "is shifted by about (%d, %d) pixels: did the camera or the target move for it?",
-      best_x * views_.block, best_y * views_.block);
+  return Format("is shifted by about (%d, %d) pixels: did the camera or the target move for it?",
+                best_x * views_.block, best_y * views_.block);
 }
 
 std::string Oddness::Of(std::size_t k, const FrameJudgement& judged) const {

@@ -31,10 +31,9 @@ std::vector<std::size_t> NearestNeighbours(const Eigen::MatrixXd& apart) {
     std::size_t nearest = count;
     for (std::size_t j = 0; j < count; ++j)
       if (!taken[j] &&
-          (nearest == count || apart(static_cast<Eigen::Index>(tour.back()),
-                                     static_cast<Eigen::Index>(j)) <
-                                   apart(static_cast<Eigen::Index>(tour.back()),
-                                         static_cast<Eigen::Index>(nearest))))
+          (nearest == count ||
+           apart(static_cast<Eigen::Index>(tour.back()), static_cast<Eigen::Index>(j)) <
+               apart(static_cast<Eigen::Index>(tour.back()), static_cast<Eigen::Index>(nearest))))
         nearest = j;
     taken[nearest] = true;
     tour.push_back(nearest);

@@ -73,9 +73,8 @@ Best BestOf(const std::vector<double>& values, const std::function<double(double
 Best Refined(Best best, double step, double finest, const std::function<double(double)>& left) {
   for (; step > finest; step /= 3.0) {
     const double third = step / 3.0;
-    const Best next = BestOf({best.at - 2.0 * third, best.at - third, best.at + third,
-                              best.at + 2.0 * third},
-                             left);
+    const Best next = BestOf(
+        {best.at - 2.0 * third, best.at - third, best.at + third, best.at + 2.0 * third}, left);
     if (next.left < best.left) best = next;
   }
   return best;
@@ -97,8 +96,8 @@ void TryFactors(Trial& trial, const Turning& turning) {
 }
 
 void TryAngles(Trial& trial, const Turning& turning) {
-  Try(trial, "angles-reversed", "with the angles reversed",
-      "is the table's direction wrong?", Scaled(trial, turning, -1.0));
+  Try(trial, "angles-reversed", "with the angles reversed", "is the table's direction wrong?",
+      Scaled(trial, turning, -1.0));
   TryFactors(trial, turning);
 }
 
@@ -121,9 +120,8 @@ void TryOffset(Trial& trial, const Turning& turning) {
 Order TextOrder(std::size_t count) {
   Order order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [](std::size_t a, std::size_t b) {
-    return std::to_string(a) < std::to_string(b);
-  });
+  std::sort(order.begin(), order.end(),
+            [](std::size_t a, std::size_t b) { return std::to_string(a) < std::to_string(b); });
   return order;
 }
 
@@ -147,7 +145,8 @@ OrderWords WordsOf(const Order& picture) {
   if (shifted) {
     const auto by = 2 * shift > count ? static_cast<long>(shift) - static_cast<long>(count)
                                       : static_cast<long>(shift);
-    return {"order-shifted", Format("with each frame's picture taken from %ld frames further on", by),
+    return {"order-shifted",
+            Format("with each frame's picture taken from %ld frames further on", by),
             "does the list of pictures begin too early or too late?"};
   }
   Order inverse(count);
@@ -168,8 +167,8 @@ void AddOrder(Trial& trial, const Design& design, Order picture) {
   if (picture == trial.in_order) return;
   const OrderWords words = WordsOf(picture);
   const double left = trial.explainer.Residual(design, picture);
-  trial.found.push_back({words.code, words.words, words.question, trial.given, std::move(picture),
-                         left});
+  trial.found.push_back(
+      {words.code, words.words, words.question, trial.given, std::move(picture), left});
 }
 
 // Every way in which a tour of the pictures can lie on the angles.
@@ -209,9 +208,8 @@ void TryOrders(Trial& trial, const std::optional<Turning>& turning) {
   if (tour.empty()) return;
   const std::vector<Order> orders = OrdersOf(*turning, tour);
   std::vector<double> left(orders.size());
-  ParallelFor(orders.size(), [&](std::size_t i) {
-    left[i] = trial.explainer.Residual(design, orders[i]);
-  });
+  ParallelFor(orders.size(),
+              [&](std::size_t i) { left[i] = trial.explainer.Residual(design, orders[i]); });
   const auto best = std::min_element(left.begin(), left.end());
   AddOrder(trial, design, orders[static_cast<std::size_t>(best - left.begin())]);
 }
@@ -222,19 +220,26 @@ void TryConventions(Trial& trial) {
   const Poses& given = trial.given;
   const char* which = "does the pose go from the camera to the world, as X_WC does?";
   Try(trial, "camera-inverted", "with the camera's poses inverted", which,
-      Map(given, [](const RigPoses& p) { return RigPoses{p.X_WC.Inverse(), p.X_WT}; }));
+      Map(given, [](const RigPoses& p) {
+        return RigPoses{p.X_WC.Inverse(), p.X_WT};
+      }));
   Try(trial, "target-inverted", "with the target's poses inverted",
       "does the pose go from the target to the world, as X_WT does?",
-      Map(given, [](const RigPoses& p) { return RigPoses{p.X_WC, p.X_WT.Inverse()}; }));
+      Map(given, [](const RigPoses& p) {
+        return RigPoses{p.X_WC, p.X_WT.Inverse()};
+      }));
   Try(trial, "poses-inverted", "with the poses of camera and target inverted",
       "do the poses go to the world, as X_WC and X_WT do?", Map(given, [](const RigPoses& p) {
         return RigPoses{p.X_WC.Inverse(), p.X_WT.Inverse()};
       }));
   Try(trial, "camera-rotation-transposed", "with the camera's rotations transposed", which,
-      Map(given, [](const RigPoses& p) { return RigPoses{Transposed(p.X_WC), p.X_WT}; }));
+      Map(given, [](const RigPoses& p) {
+        return RigPoses{Transposed(p.X_WC), p.X_WT};
+      }));
   Try(trial, "target-rotation-transposed", "with the target's rotations transposed",
-      "are the rows of its matrices columns?",
-      Map(given, [](const RigPoses& p) { return RigPoses{p.X_WC, Transposed(p.X_WT)}; }));
+      "are the rows of its matrices columns?", Map(given, [](const RigPoses& p) {
+        return RigPoses{p.X_WC, Transposed(p.X_WT)};
+      }));
   struct Axes {
     const char* code;
     const char* words;
@@ -254,7 +259,9 @@ void TryConventions(Trial& trial) {
     Pose turn;
     turn.rotation << one.x, one.y, one.x.cross(one.y);
     Try(trial, one.code, one.words, "is the camera's frame x right, y down, z forward?",
-        Map(given, [&](const RigPoses& p) { return RigPoses{p.X_WC * turn, p.X_WT}; }));
+        Map(given, [&](const RigPoses& p) {
+          return RigPoses{p.X_WC * turn, p.X_WT};
+        }));
   }
 }
 

@@ -13,9 +13,9 @@
 namespace turnlight::estimator::consistency {
 
 struct PoseChange {
-  std::string code;      // stable, such as "angles-reversed"
-  std::string words;     // "with the angles reversed"
-  std::string question;  // "does the table turn the other way round?"
+  std::string code;                    // stable, such as "angles-reversed"
+  std::string words;                   // "with the angles reversed"
+  std::string question;                // "does the table turn the other way round?"
   std::vector<calib::RigPoses> poses;  // after the change, of each keyframe
   std::vector<std::size_t> picture;    // the view whose picture keyframe k's is, after the change
   double left = 0.0;  // rms that some lights leave of the pictures (Explainer), radiance

@@ -10,13 +10,13 @@
 namespace turnlight::estimator::consistency {
 namespace {
 
-constexpr std::size_t kMostFitted = 3;     // changes
-constexpr double kPromising = 0.97;        // of what is left without a change
-constexpr double kExplains = 0.5;          // of the rms without a change
-constexpr double kSettles = 0.25;          // likewise, so that no other need be tried
-constexpr double kWellExplained = 0.03;    // of the brightest radiance
-constexpr double kSeesEnough = 0.5;        // of the pixels that were seen without a change
-constexpr double kAlike = 1e-3;              // difference of what two changes leave
+constexpr std::size_t kMostFitted = 3;   // changes
+constexpr double kPromising = 0.97;      // of what is left without a change
+constexpr double kExplains = 0.5;        // of the rms without a change
+constexpr double kSettles = 0.25;        // likewise, so that no other need be tried
+constexpr double kWellExplained = 0.03;  // of the brightest radiance
+constexpr double kSeesEnough = 0.5;      // of the pixels that were seen without a change
+constexpr double kAlike = 1e-3;          // difference of what two changes leave
 constexpr std::size_t kFewestPixels = 300;
 
 struct Fitted {
@@ -65,8 +65,7 @@ class Search {
     const Explainer explainer(views_, geometry_, rays_);
     const std::vector<calib::RigPoses> poses = GivenPoses(views_);
     out.left = explainer.Residual(explainer.DesignOf(poses), InOrder(poses.size()));
-    const std::vector<PoseChange> ranked =
-        RankChanges(views_, geometry_, explainer, angles_deg);
+    const std::vector<PoseChange> ranked = RankChanges(views_, geometry_, explainer, angles_deg);
     std::vector<TriedChange> fitted;
     for (const PoseChange& change : ranked) {
       if (StopRequested(stop_)) return;

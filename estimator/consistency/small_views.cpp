@@ -16,9 +16,8 @@ constexpr int kLeastRows = 60;
 double CoveredPixels(const calib::CameraModel& camera, const target::Geometry& geometry,
                      const calib::RigPoses& poses) {
   const Eigen::Vector3d center = poses.X_WC.Inverse() * (poses.X_WT * geometry.center());
-  const auto points = camera.Project(
-      {center, center + Eigen::Vector3d(geometry.radius(), 0.0, 0.0),
-       center + Eigen::Vector3d(0.0, geometry.radius(), 0.0)});
+  const auto points = camera.Project({center, center + Eigen::Vector3d(geometry.radius(), 0.0, 0.0),
+                                      center + Eigen::Vector3d(0.0, geometry.radius(), 0.0)});
   const double across = (points[1] - points[0]).norm(), down = (points[2] - points[0]).norm();
   const double area = std::numbers::pi * across * down;
   if (!(area > 0.0) || center.z() <= geometry.radius()) return 0.0;
@@ -41,7 +40,9 @@ int BlockFor(const calib::CameraModel& camera, const target::Geometry& geometry,
 SmallView MakeSmallView(const model::Keyframe& keyframe, int block) {
   const cv::Mat& image = keyframe.image.radiance;
   const int rows = image.rows / block, columns = image.cols / block, channels = image.channels();
-  SmallView out{cv::Mat1f(rows, columns), cv::Mat1b(rows, columns), cv::Mat1b(rows, columns),
+  SmallView out{cv::Mat1f(rows, columns),
+                cv::Mat1b(rows, columns),
+                cv::Mat1b(rows, columns),
                 {keyframe.X_WC, keyframe.X_WT}};
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
@@ -55,9 +56,9 @@ SmallView MakeSmallView(const model::Keyframe& keyframe, int block) {
           for (int c = 0; c < channels; ++c) sum += static_cast<double>(value[c]);
         }
       clipped = clipped || !std::isfinite(sum);
-      out.radiance(row, column) =
-          clipped && !std::isfinite(sum) ? 0.0f
-                                         : static_cast<float>(sum / (block * block * channels));
+      out.radiance(row, column) = clipped && !std::isfinite(sum)
+                                      ? 0.0f
+                                      : static_cast<float>(sum / (block * block * channels));
       out.clipped(row, column) = clipped ? 255 : 0;
       out.mask(row, column) = inside ? 255 : 0;
     }

@@ -10,10 +10,10 @@
 namespace turnlight::estimator::consistency {
 
 struct Turning {
-  bool camera_moves = false;                     // else the target does
+  bool camera_moves = false;                        // else the target does
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // in W, unit, so that most angles grow
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // in W, on the axis
-  std::vector<double> angle;                     // radians, unwrapped, of each keyframe
+  std::vector<double> angle;                        // radians, unwrapped, of each keyframe
 };
 
 // None if the poses do not follow one axis to 2e-3 (radians, and of the largest distance), if both

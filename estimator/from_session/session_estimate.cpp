@@ -1,5 +1,6 @@
 #include "estimator/from_session/session_estimate.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -10,6 +11,8 @@
 #include "calib/camera_model.h"
 #include "estimator/baseline/paper_estimate.h"
 #include "estimator/from_session/calibration_errors.h"
+#include "estimator/from_session/frame_doubts.h"
+#include "estimator/residual_maps.h"
 #include "rig/session_calibration.h"
 
 namespace turnlight::estimator::from_session {
@@ -165,9 +168,9 @@ Stage StageOf(Part part) {
   return Stage::kRefining;
 }
 
-Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& options,
-                                      Stages& stages) {
-  const calib::RayGrid rays(*loaded.session.camera);
+// copies (optional) receives the keyframes.
+Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const calib::RayGrid& rays,
+                                      const Options& options, Stages& stages, SmallCopies* copies) {
   EstimateOptions estimate;
   estimate.most_pixels = options.most_pixels;
   estimate.residuals_of = options.residuals_of;
@@ -175,7 +178,10 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& optio
   estimate.watch.on_part = [&](Part part) {
     stages.Begin(StageOf(part), part == Part::kObserve ? loaded.keyframes.size() : 1);
   };
-  estimate.watch.on_keyframe = [&](std::size_t, const model::Keyframe&) { stages.Step(); };
+  estimate.watch.on_keyframe = [&](std::size_t k, const model::Keyframe& keyframe) {
+    if (copies) copies->Take(k, keyframe);
+    stages.Step();
+  };
   if (options.method == results::Method::kPaper)
     return EstimateByPaper(loaded, rays, options, estimate);
   estimate.initial = options.initial;
@@ -188,6 +194,71 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& optio
   return EstimateScene(loaded.keyframes, loaded.geometry, rays, estimate);
 }
 
+// The same without some of the keyframes.
+Loaded Without(const Loaded& loaded, const std::vector<std::size_t>& views) {
+  Loaded out{loaded.session, loaded.calibration, {}, {}, target::Geometry(loaded.geometry.shape()),
+             loaded.closure};
+  for (std::size_t k = 0; k < loaded.chosen.size(); ++k)
+    if (!std::binary_search(views.begin(), views.end(), k)) out.chosen.push_back(loaded.chosen[k]);
+  out.keyframes = FramesOf(loaded.session, out.chosen);
+  return out;
+}
+
+Result<std::map<std::size_t, cv::Mat1f>> MapsOfLeftOut(const Loaded& loaded,
+                                                       const calib::RayGrid& rays,
+                                                       const std::vector<std::size_t>& views,
+                                                       const model::Scene& scene) {
+  std::map<std::size_t, cv::Mat1f> out;
+  for (const std::size_t k : views) {
+    const auto keyframe = loaded.keyframes.read(k);
+    if (!keyframe) return Forward(keyframe);
+    out.emplace(loaded.chosen[k], ResidualMapOf(*keyframe, loaded.geometry, rays, scene));
+  }
+  return out;
+}
+
+// An estimate, or a refusal, that leaves doubts: frames that do not belong to the others are left
+// out and it is made anew; a change of all poses that explains the pictures is told.
+Result<EstimateOutput> LookCloser(Loaded& loaded, const calib::RayGrid& rays,
+                                  const Options& options, const SmallCopies& copies,
+                                  Result<EstimateOutput> output, Stages& stages) {
+  stages.Begin(Stage::kChecking);
+  const consistency::Consistency found = consistency::CheckConsistency(
+      copies.views(), copies.angles_deg(), loaded.geometry, options.model, false, options.stop);
+  if (StopRequested(options.stop)) return InterruptedError();
+  if (found.change) {
+    if (!output) return NoEstimateError(output.error().text + " " + WordsOfChange(found));
+    output->estimate.notes.push_back({"poses-doubtful", WordsOfChange(found)});
+    return output;
+  }
+  const std::vector<std::size_t> odd = OddViews(found);
+  if (odd.empty()) return output;
+  const Note note = NoteOfOddFrames(loaded.session, loaded.chosen, found, true);
+  Loaded rest = Without(loaded, odd);
+  auto better = EstimateLoaded(rest, rays, options, stages, nullptr);
+  if (!better) return better;
+  if (options.residuals_of) {
+    auto maps = MapsOfLeftOut(loaded, rays, odd, better->estimate.ToScene());
+    if (!maps) return Forward(maps);
+    better->left_out = std::move(*maps);
+  }
+  better->estimate.notes.push_back(note);
+  loaded = std::move(rest);
+  return better;
+}
+
+Result<EstimateOutput> EstimateChecked(Loaded& loaded, const Options& options, Stages& stages) {
+  const calib::RayGrid rays(*loaded.session.camera);
+  if (options.method == results::Method::kPaper)
+    return EstimateLoaded(loaded, rays, options, stages, nullptr);
+  SmallCopies copies(loaded.session, loaded.chosen, loaded.keyframes.poses, loaded.geometry);
+  auto output = EstimateLoaded(loaded, rays, options, stages, &copies);
+  const bool doubtful = output ? CallsForACheck(*output, copies.views(), loaded.geometry)
+                               : output.error().kind == ErrorKind::kNoEstimate && copies.full();
+  return doubtful ? LookCloser(loaded, rays, options, copies, std::move(output), stages)
+                  : std::move(output);
+}
+
 }  // namespace
 
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
@@ -197,7 +268,7 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   auto loaded = Load(folder, options);
   if (!loaded) return Forward(loaded);
   const double load_s = stopwatch.Seconds();
-  auto output = EstimateLoaded(*loaded, options, stages);
+  auto output = EstimateChecked(*loaded, options, stages);
   if (!output) return Forward(output);
   stages.End();
   if (loaded->closure && !loaded->closure->closed)

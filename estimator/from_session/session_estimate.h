@@ -29,7 +29,8 @@ enum class Stage {
   kReading,  // frames read and traced
   kStarting,
   kRefining,
-  kBudget  // only of a calibrated session
+  kBudget,   // only of a calibrated session
+  kChecking  // of frames and poses, if they may not fit; then perhaps the others once more
 };
 
 // What most_pixels may be.

@@ -141,9 +141,8 @@ std::vector<std::vector<TracedPixel>> KeyframeTracer::Rows(int begin, int end,
                                                            const BlockChoice& choice) {
   std::vector<std::vector<TracedPixel>> out(static_cast<std::size_t>(end - begin));
   if (rows_.empty()) {
-    ParallelFor(out.size(), [&](std::size_t i) {
-      out[i] = TracedRow(begin + static_cast<int>(i), choice);
-    });
+    ParallelFor(out.size(),
+                [&](std::size_t i) { out[i] = TracedRow(begin + static_cast<int>(i), choice); });
     return out;
   }
   ParallelFor(out.size(), [&](std::size_t i) {
@@ -175,8 +174,8 @@ Status TraceKeyframes(
       if (StopRequested(stop)) return;
       batch[i].keyframe = keyframes.read(first + i);
       if (!batch[i].keyframe) return;
-      batch[i].tracer = KeyframeTracer(*batch[i].keyframe, static_cast<std::uint32_t>(first + i),
-                                       geometry, rays);
+      batch[i].tracer =
+          KeyframeTracer(*batch[i].keyframe, static_cast<std::uint32_t>(first + i), geometry, rays);
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (StopRequested(stop)) return InterruptedError();

@@ -74,9 +74,9 @@ class KeyframeTracer {
 // bounded whatever the number of threads.
 std::size_t KeyframesInFlight(const calib::RayGrid& rays);
 
-// Reads keyframes and takes their first step, KeyframesInFlight at a time; `put` has them one by one in their order, in the thread that
-// calls. Fails as the source does (the first refusal in the order of the keyframes), and with
-// kInterrupted when stop (optional) was set.
+// Reads keyframes and takes their first step, KeyframesInFlight at a time; `put` has them one by
+// one in their order, in the thread that calls. Fails as the source does (the first refusal in the
+// order of the keyframes), and with kInterrupted when stop (optional) was set.
 Status TraceKeyframes(
     const model::KeyframeSource& keyframes, const target::Geometry& geometry,
     const calib::RayGrid& rays, const StopFlag* stop,

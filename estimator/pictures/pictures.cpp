@@ -171,20 +171,26 @@ Status AddComparisons(const model::KeyframeSource& keyframes, const std::vector<
   return {};
 }
 
-void AddResiduals(const std::map<std::size_t, cv::Mat1f>& residuals, int reduce, int enlarge,
+// Frames that were left out are shown in the range of the others.
+void AddResiduals(const EstimateOutput& output, int reduce, int enlarge,
                   std::vector<NamedPicture>& pictures) {
-  std::vector<std::size_t> numbers;
+  const auto reduced = [&](const cv::Mat1f& map) {
+    return ReducedMap<1>(map, reduce, std::numeric_limits<float>::quiet_NaN());
+  };
   std::vector<cv::Mat1f> maps;
-  for (const auto& [keyframe, map] : residuals) {
-    numbers.push_back(keyframe);
-    maps.push_back(ReducedMap<1>(map, reduce, std::numeric_limits<float>::quiet_NaN()));
-  }
+  for (const auto& [keyframe, map] : output.residuals) maps.push_back(reduced(map));
   const double range = ResidualRange(maps);
-  for (std::size_t i = 0; i < maps.size(); ++i)
+  std::size_t at = 0;
+  for (const auto& [keyframe, map] : output.residuals)
     pictures.push_back(
-        {NumberedName("residual", numbers[i]),
-         ResidualPicture(maps[i], range, enlarge,
-                         "Observed minus model, keyframe " + std::to_string(numbers[i]))});
+        {NumberedName("residual", keyframe),
+         ResidualPicture(maps[at++], range, enlarge,
+                         "Observed minus model, keyframe " + std::to_string(keyframe))});
+  for (const auto& [frame, map] : output.left_out)
+    pictures.push_back({NumberedName("residual_left_out", frame),
+                        ResidualPicture(reduced(map), range, enlarge,
+                                        "Observed minus model, frame " + std::to_string(frame) +
+                                            " of the session, left out")});
 }
 
 }  // namespace
@@ -211,7 +217,7 @@ Result<std::vector<NamedPicture>> MakePictures(const model::KeyframeSource& keyf
                                          output.estimate.ToScene(), reduce, enlarge, pictures);
     if (!status) return Forward(status);
   }
-  AddResiduals(output.residuals, reduce, enlarge, pictures);
+  AddResiduals(output, reduce, enlarge, pictures);
   if (!output.map.intensity.empty())
     pictures.push_back({"intensity_map.png", IntensityPicture(output.map, output.estimate.lights)});
   if (!output.estimate.history.empty())

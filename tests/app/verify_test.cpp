@@ -73,5 +73,39 @@ TEST(Verify, ABadSessionIsRefused) {
   EXPECT_EQ(RunProgram({"verify", folder / "s"}).exit_code, 2);
 }
 
+// A lump on a table, small and quick.
+rig::sim::SyntheticConfig LumpConfig() {
+  rig::sim::SyntheticConfig config;
+  config.seed = 4;
+  config.target = rig::sim::Blob{40.0, 0.25, 48};
+  config.motion = {rig::sim::MotionKind::kTable, 8, 45.0, 480.0, 25.0, 0.0};
+  config.camera.width = 120;
+  config.camera.height = 90;
+  config.camera.focal_px = 360.0;
+  config.samples_per_side = 2;
+  config.sensor.noise_relative = 0.002;
+  return config;
+}
+
+TEST(Verify, AgainstAModelNamesAFrameThatDoesNotBelong) {
+  const TemporaryFolder folder;
+  WriteSession(LumpConfig(), folder / "s");
+  const Outcome good = RunProgram({"verify", folder / "s", "--model"});
+  EXPECT_EQ(good.exit_code, 0) << good.out;
+  EXPECT_THAT(good.out, HasSubstr("frames and poses belong together"));
+  EXPECT_THAT(good.out, HasSubstr("with the angles reversed"));
+
+  std::filesystem::copy_file(folder / "s/frames/002.png", folder / "s/frames/005.png",
+                             std::filesystem::copy_options::overwrite_existing);
+  std::string session = ReadText(folder / "s/session.json");
+  for (std::size_t at = 0; (at = session.find(",\"sha256\"")) != std::string::npos;)
+    session.erase(at, session.find('}', at) - at);
+  WriteText(folder / "s/session.json", session);
+  const Outcome odd = RunProgram({"verify", folder / "s", "--model"});
+  EXPECT_EQ(odd.exit_code, 3) << odd.out << odd.err;
+  EXPECT_THAT(odd.out, HasSubstr("frames/005.png  <- is the picture of frame 2 once more"));
+  EXPECT_THAT(odd.out, HasSubstr("problem: 1 frame does not belong to the others"));
+}
+
 }  // namespace
 }  // namespace turnlight::app

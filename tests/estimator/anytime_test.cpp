@@ -1,5 +1,6 @@
 // Proves: there is an estimate from the first keyframe that shows the target on, it gets better
-// with each that comes, it stays when a step fails, and the same calls give the same bits. Does not
+// with each that comes, it stays when a step fails, a keyframe that does not belong to the others is
+// left out, and the same calls give the same bits. Does not
 // prove how soon it is good: docs/capture.md has that, measured.
 #include "estimator/anytime.h"
 
@@ -14,7 +15,7 @@ namespace {
 TEST(AnytimeEstimator, IsThereFromTheFirstKeyframeAndGetsBetter) {
   const model::Scene truth = TwoLights();
   const TinyBall ball(truth, 4, 0.003);
-  AnytimeEstimator estimator(ball.geometry, ball.rays);
+  AnytimeEstimator estimator(ball.geometry, ball.rays, ball.camera);
   EXPECT_FALSE(estimator.Current().has_value());
   std::vector<double> sigmas;
   for (const model::Keyframe& keyframe : ball.keyframes) {
@@ -29,7 +30,7 @@ TEST(AnytimeEstimator, IsThereFromTheFirstKeyframeAndGetsBetter) {
   EXPECT_LT(sigmas.back(), 0.8 * sigmas.front());
   EXPECT_LT(WorstDirectionDeg(estimator.Current()->ToScene().lights, truth.lights), 0.5);
 
-  AnytimeEstimator again(ball.geometry, ball.rays);
+  AnytimeEstimator again(ball.geometry, ball.rays, ball.camera);
   for (const model::Keyframe& keyframe : ball.keyframes) {
     again.Add(keyframe);
     ASSERT_TRUE(again.Step());
@@ -42,7 +43,7 @@ TEST(AnytimeEstimator, IsThereFromTheFirstKeyframeAndGetsBetter) {
 TEST(AnytimeEstimator, NothingUsableIsNoEstimateYet) {
   TinyBall ball(TwoLights(), 2, 0.003);
   ball.keyframes[0].mask.setTo(0);
-  AnytimeEstimator estimator(ball.geometry, ball.rays);
+  AnytimeEstimator estimator(ball.geometry, ball.rays, ball.camera);
   estimator.Add(ball.keyframes[0]);
   const Status status = estimator.Step();
   ASSERT_FALSE(status);
@@ -51,6 +52,20 @@ TEST(AnytimeEstimator, NothingUsableIsNoEstimateYet) {
   estimator.Add(ball.keyframes[1]);
   EXPECT_TRUE(estimator.Step());
   EXPECT_TRUE(estimator.Current().has_value());
+}
+
+TEST(AnytimeEstimator, LeavesOutAKeyframeThatDoesNotBelongToTheOthers) {
+  const model::Scene truth = TwoLights();
+  TinyBall ball(truth, 6, 0.003);
+  ball.keyframes[3].image.radiance.setTo(0.0f);
+  AnytimeEstimator estimator(ball.geometry, ball.rays, ball.camera);
+  for (const model::Keyframe& keyframe : ball.keyframes) estimator.Add(keyframe);
+  ASSERT_TRUE(estimator.Step());
+  ASSERT_EQ(estimator.OddKeyframes().size(), 1u);
+  EXPECT_EQ(estimator.OddKeyframes().begin()->first, 3u);
+  EXPECT_EQ(estimator.OddKeyframes().begin()->second, "is black");
+  EXPECT_EQ(estimator.Current()->views, 5);
+  EXPECT_LT(WorstDirectionDeg(estimator.Current()->ToScene().lights, truth.lights), 0.5);
 }
 
 }  // namespace

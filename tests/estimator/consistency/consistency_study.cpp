@@ -1,5 +1,5 @@
-// What the checks find and whom they accuse, over random scenes: every kind of odd frame, every kind
-// of wrong poses, right captures, lamps that drift, and lumps with a symmetry. Long; a study.
+// What the checks find and whom they accuse, over random scenes: every kind of odd frame, every
+// kind of wrong poses, right captures, lamps that drift, and lumps with a symmetry. Long; a study.
 //   ctest --preset release -L study -R Consistency -V
 #include <gtest/gtest.h>
 

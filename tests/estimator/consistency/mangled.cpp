@@ -25,8 +25,7 @@ void ForEachValue(cv::Mat& image, const std::function<double(double)>& change) {
   for (int row = 0; row < image.rows; ++row) {
     auto* value = image.ptr<std::uint16_t>(row);
     for (int i = 0; i < image.cols * image.channels(); ++i)
-      value[i] = static_cast<std::uint16_t>(
-          std::clamp(std::round(change(value[i])), 0.0, 65535.0));
+      value[i] = static_cast<std::uint16_t>(std::clamp(std::round(change(value[i])), 0.0, 65535.0));
   }
 }
 

@@ -30,18 +30,17 @@ Capture CapturedSymmetric(std::uint64_t seed, int fold, int frames);
 Capture CopyOf(const Capture& capture);
 
 // What can be wrong with one frame.
-inline constexpr const char* kOddKinds[] = {"black",   "dimmed", "turned", "byte-swapped",
-                                            "stale",   "half",   "moved",  "mirrored"};
+inline constexpr const char* kOddKinds[] = {"black", "dimmed", "turned", "byte-swapped",
+                                            "stale", "half",   "moved",  "mirrored"};
 void MakeOdd(Capture& capture, const std::string& kind, std::size_t frame);
 // Its mask becomes that of another frame; all frames get masks.
 void GiveMasks(Capture& capture);
 void TakeMaskFrom(Capture& capture, std::size_t frame, std::size_t other);
 
 // What can be wrong with all poses.
-inline constexpr const char* kPoseMistakes[] = {"angles-reversed", "factor 2",        "factor 0.98",
-                                                "order-reversed",  "order-shuffled",  "camera-inverted",
-                                                "camera-axes",     "length-unit",     "target-place",
-                                                "target-inverted"};
+inline constexpr const char* kPoseMistakes[] = {
+    "angles-reversed", "factor 2",    "factor 0.98", "order-reversed", "order-shuffled",
+    "camera-inverted", "camera-axes", "length-unit", "target-place",   "target-inverted"};
 void MisplacePoses(Capture& capture, const std::string& mistake, std::uint64_t seed);
 
 // Whether what was found is that mistake, or one that pictures cannot tell from it.

@@ -23,8 +23,7 @@ TEST_P(PoseMistake, IsTold) {
   MisplacePoses(capture, GetParam(), 4);
   const Consistency found = Checked(capture, false);
   ASSERT_TRUE(found.change);
-  EXPECT_TRUE(NamesMistake(found, GetParam())) << found.change->code << ": "
-                                               << found.change->words;
+  EXPECT_TRUE(NamesMistake(found, GetParam())) << found.change->code << ": " << found.change->words;
   EXPECT_LT(*found.change->rms, 0.004);
 }
 

@@ -66,8 +66,8 @@ TEST(SmallViews, LeaveAFewThousandPixelsOnATargetOfAnySize) {
   EXPECT_EQ(block(200), 1);
   // A ball of 600 pixels across, 283 000 in all.
   EXPECT_EQ(block(3000), 10);
-  const auto behind = std::vector<calib::RigPoses>{{calib::LookAtOrigin(0.0, 0.5, 500.0).Inverse(),
-                                                    {}}};
+  const auto behind =
+      std::vector<calib::RigPoses>{{calib::LookAtOrigin(0.0, 0.5, 500.0).Inverse(), {}}};
   EXPECT_GE(BlockFor(calib::CameraModel::Pinhole(300, 300, 300, 300, 150, 150), ball, behind), 1);
 }
 

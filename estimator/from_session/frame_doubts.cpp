@@ -1,0 +1,126 @@
+#include "estimator/from_session/frame_doubts.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/format.h"
+#include "base/statistics.h"
+#include "calib/radiometry.h"
+#include "estimator/consistency/oddness.h"
+#include "estimator/notes.h"
+
+namespace turnlight::estimator::from_session {
+namespace {
+
+constexpr double kOneFrame = 3.0;     // times the usual rms that one frame may leave
+constexpr double kMaskStep = 0.05;    // of the target
+constexpr std::size_t kMostNamed = 6;  // odd frames in a note
+constexpr std::size_t kMostAlike = 2;
+
+double Largest(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+}
+
+std::string NameOf(const rig::Session& session, std::size_t frame) {
+  const rig::FrameRecord& record = session.frames[frame];
+  return rig::FrameLabel(frame, record.angle_deg) + ", " + record.image;
+}
+
+}  // namespace
+
+SmallCopies::SmallCopies(const rig::Session& session, const std::vector<std::size_t>& frames,
+                         const std::vector<calib::RigPoses>& poses,
+                         const target::Geometry& geometry)
+    : views_{*session.camera, consistency::BlockFor(*session.camera, geometry, poses), {}} {
+  views_.camera = session.camera->InBlocks(views_.block);
+  views_.views.resize(frames.size());
+  for (const std::size_t frame : frames)
+    if (session.frames[frame].angle_deg) angles_deg_.push_back(*session.frames[frame].angle_deg);
+  if (angles_deg_.size() != frames.size()) angles_deg_.clear();
+}
+
+void SmallCopies::Take(std::size_t keyframe, const model::Keyframe& full) {
+  views_.views[keyframe] = consistency::MakeSmallView(full, views_.block);
+  ++taken_;
+}
+
+bool CallsForACheck(const EstimateOutput& output, const consistency::SmallViews& views,
+                    const target::Geometry& geometry) {
+  std::vector<double> rms = output.frame_rms;
+  if (Unexplained(output.estimate.rms, output.noise) || Largest(rms) > kOneFrame * Median(rms))
+    return true;
+  const calib::RayGrid rays(views.camera);
+  const std::vector<double> masks = consistency::MasksOnTarget(views, geometry, rays);
+  return Largest(masks) - *std::min_element(masks.begin(), masks.end()) > kMaskStep;
+}
+
+std::vector<std::size_t> OddViews(const consistency::Consistency& found) {
+  std::vector<std::size_t> out;
+  if (found.change) return out;
+  for (std::size_t k = 0; k < found.frames.frames.size(); ++k)
+    if (found.frames.frames[k].odd) out.push_back(k);
+  return out;
+}
+
+Note NoteOfOddFrames(const rig::Session& session, const std::vector<std::size_t>& frames,
+                     const consistency::Consistency& found, bool left_out) {
+  const std::vector<std::size_t> odd = OddViews(found);
+  std::string list;
+  for (std::size_t i = 0; i < std::min(odd.size(), kMostNamed); ++i)
+    list += (i == 0 ? " " : "; ") + NameOf(session, frames[odd[i]]) + ", " +
+            found.frames.frames[odd[i]].what;
+  if (odd.size() > kMostNamed) list += Format("; and %zu more", odd.size() - kMostNamed);
+  const bool one = odd.size() == 1;
+  const std::string how_many = Format("%zu of %zu frames %s not belong to the others", odd.size(),
+                                      frames.size(), one ? "does" : "do");
+  if (left_out)
+    return {"frames-left-out", how_many + Format(" and %s left out:", one ? "was" : "were") + list +
+                                   ". --frames chooses by hand."};
+  return {"frames-odd", how_many + ", but all were chosen by hand:" + list + "."};
+}
+
+std::string WordsOfChange(const consistency::Consistency& found) {
+  const consistency::TriedChange& change = *found.change;
+  std::string words = change.words;
+  words[0] = 'W';
+  words += found.rms > 0.0
+               ? Format(" the residual falls from %.2g to %.2g of white: ", found.rms, *change.rms)
+               : Format(" the target is seen, with a residual of %.2g of white: ", *change.rms);
+  words += change.question;
+  for (std::size_t i = 0; i < std::min(found.alike.size(), kMostAlike); ++i)
+    words += (i == 0 ? " The pictures look the same " : " and ") + found.alike[i];
+  return words + (found.alike.empty() ? " Nothing was changed." : ". Nothing was changed.");
+}
+
+Result<ModelCheck> CheckModel(const std::filesystem::path& folder, const StopFlag* stop) {
+  const auto session = rig::ReadSession(folder);
+  if (!session) return Forward(session);
+  auto shape = rig::ReadTarget(*session);
+  if (!shape) return Forward(shape);
+  const target::Geometry geometry(std::move(*shape));
+  std::vector<std::size_t> frames;
+  std::vector<calib::RigPoses> poses;
+  for (const rig::FrameRecord& frame : session->frames) {
+    frames.push_back(frames.size());
+    poses.push_back({frame.X_WC, frame.X_WT});
+  }
+  SmallCopies copies(*session, frames, poses, geometry);
+  for (const std::size_t k : frames) {
+    if (StopRequested(stop)) return InterruptedError();
+    const auto images = rig::ReadFrameImages(*session, k);
+    if (!images) return Forward(images);
+    const rig::FrameRecord& frame = session->frames[k];
+    copies.Take(k, {calib::Linearise(images->image, session->radiometry, frame.exposure),
+                    images->mask, frame.X_WC, frame.X_WT});
+  }
+  ModelCheck out;
+  out.found = consistency::CheckConsistency(copies.views(), copies.angles_deg(), geometry, {}, true,
+                                            stop);
+  if (StopRequested(stop)) return InterruptedError();
+  for (std::size_t k = 0; k < out.found.frames.frames.size(); ++k)
+    out.frames.push_back({k, session->frames[k].angle_deg, session->frames[k].image,
+                          out.found.frames.frames[k]});
+  return out;
+}
+
+}  // namespace turnlight::estimator::from_session

@@ -1,0 +1,124 @@
+// Proves that a session on disk with odd frames is estimated as if they had never been there and
+// says which they were, that a wrong direction of turning is told and nothing changed, also where
+// there is no estimate at all, and what `verify --model` has of both. How surely frames and poses are
+// told: consistency_test and consistency_study.
+#include "estimator/from_session/frame_doubts.h"
+
+#include <gtest/gtest.h>
+
+#include "base/file.h"
+#include "estimator/from_session/session_estimate.h"
+#include "rig/session/image_file.h"
+#include "rig/sim/synthetic_session.h"
+
+namespace turnlight::estimator::from_session {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FrameDoubts : public testing::Test {
+ protected:
+  void SetUp() override {
+    rig::sim::SyntheticConfig config;
+    config.seed = 4;
+    config.target = rig::sim::Blob{40.0, 0.25, 64};
+    config.motion = {rig::sim::MotionKind::kTable, 12, 30.0, 480.0, 25.0, 0.0};
+    config.camera.width = 120;
+    config.camera.height = 90;
+    config.camera.focal_px = 360.0;
+    config.samples_per_side = 2;
+    config.sensor.noise_relative = 0.002;
+    ASSERT_TRUE(rig::sim::WriteSynthetic(config, root_));
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  // Rewrites the session with other records of its frames.
+  template <typename Change>
+  void ChangeRecords(const Change& change) {
+    auto session = rig::ReadSession(root_);
+    ASSERT_TRUE(session);
+    change(session->frames);
+    ASSERT_TRUE(rig::WriteSession(*session, root_));
+  }
+  void Blacken(std::size_t frame) {
+    ChangeRecords([&](std::vector<rig::FrameRecord>& frames) {
+      frames[frame].sha256.reset();
+      const auto picture = rig::ReadImage(root_ / frames[frame].image);
+      ASSERT_TRUE(picture);
+      ASSERT_TRUE(rig::WriteImage(root_ / frames[frame].image, 0.0 * *picture));
+    });
+  }
+
+  const fs::path root_ = fs::path(testing::TempDir()) /
+                         testing::UnitTest::GetInstance()->current_test_info()->name();
+};
+
+const Note* NoteOf(const SessionEstimate& estimate, const std::string& code) {
+  for (const Note& note : estimate.output.estimate.notes)
+    if (note.code == code) return &note;
+  return nullptr;
+}
+
+TEST_F(FrameDoubts, AnEstimateIsAsIfOddFramesHadNeverBeenThere) {
+  Blacken(7);
+  Options options;
+  options.residuals_of = [](std::size_t) { return std::vector<std::size_t>{0}; };
+  const auto found = EstimateSession(root_, options);
+  ASSERT_TRUE(found) << found.error().text;
+  const Note* note = NoteOf(*found, "frames-left-out");
+  ASSERT_NE(note, nullptr);
+  EXPECT_NE(note->text.find("1 of 12 frames"), std::string::npos) << note->text;
+  EXPECT_NE(note->text.find("frame 7 (210.0 deg), frames/007.png, is black"), std::string::npos)
+      << note->text;
+  EXPECT_EQ(found->output.left_out.count(7), 1u);
+  EXPECT_EQ(found->keyframes.size(), 11u);
+
+  ChangeRecords([](std::vector<rig::FrameRecord>& frames) { frames.erase(frames.begin() + 7); });
+  const auto without = EstimateSession(root_);
+  ASSERT_TRUE(without);
+  EXPECT_EQ(NoteOf(*without, "frames-left-out"), nullptr);
+  EXPECT_EQ(without->output.estimate.rms, found->output.estimate.rms);
+  for (std::size_t l = 0; l < without->output.estimate.lights.size(); ++l)
+    EXPECT_EQ(without->output.estimate.lights[l].light.direction,
+              found->output.estimate.lights[l].light.direction);
+}
+
+TEST_F(FrameDoubts, AWrongDirectionIsToldAndNothingIsChanged) {
+  ChangeRecords([](std::vector<rig::FrameRecord>& frames) {
+    for (rig::FrameRecord& frame : frames) frame.X_WT = frame.X_WT.Inverse();
+  });
+  const auto found = EstimateSession(root_);
+  ASSERT_TRUE(found) << found.error().text;
+  const Note* note = NoteOf(*found, "poses-doubtful");
+  ASSERT_NE(note, nullptr);
+  EXPECT_NE(note->text.find("With the angles reversed the residual falls from"), std::string::npos)
+      << note->text;
+  EXPECT_NE(note->text.find("is the table's direction wrong?"), std::string::npos);
+  EXPECT_EQ(found->keyframes.size(), 12u);
+}
+
+TEST_F(FrameDoubts, ARefusalSaysWhichChangeWouldShowTheTarget) {
+  ChangeRecords([](std::vector<rig::FrameRecord>& frames) {
+    for (rig::FrameRecord& frame : frames) frame.X_WC = frame.X_WC.Inverse();
+  });
+  const auto found = EstimateSession(root_);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().kind, ErrorKind::kNoEstimate);
+  EXPECT_NE(found.error().text.find("With the camera's poses inverted the target is seen"),
+            std::string::npos)
+      << found.error().text;
+}
+
+TEST_F(FrameDoubts, TheCheckListsEveryFrameAndWhatWasTried) {
+  Blacken(2);
+  const auto check = CheckModel(root_, nullptr);
+  ASSERT_TRUE(check);
+  ASSERT_EQ(check->frames.size(), 12u);
+  EXPECT_EQ(check->frames[2].file, "frames/002.png");
+  EXPECT_EQ(OddViews(check->found), std::vector<std::size_t>{2});
+  EXPECT_FALSE(check->found.tried.empty());
+  EXPECT_FALSE(check->found.change);
+}
+
+}  // namespace
+}  // namespace turnlight::estimator::from_session
