@@ -14,7 +14,7 @@ int PlaceOf(const TriangleMesh& mesh, const Triangle& t, int corner) {
 }
 
 // For each triangle that coincides with earlier ones the first of them, else -1. Triangles that
-// coincide share every edge.
+// coincide share every edge. Those without area tie their neighbours together and are left alone.
 std::vector<int> FirstOfCopies(const TriangleMesh& mesh, const EdgeTable& edges) {
   std::vector<int> first(mesh.triangles.size(), -1);
   std::vector<std::pair<int, int>> across;  // the place across from the edge, the triangle
@@ -22,14 +22,16 @@ std::vector<int> FirstOfCopies(const TriangleMesh& mesh, const EdgeTable& edges)
     if (sides.size() < 2) return;
     across.clear();
     for (const EdgeTable::Side& side : sides)
-      across.emplace_back(PlaceOf(mesh, mesh.triangles[static_cast<std::size_t>(side.face())],
-                                  side.slot() + 2),
-                          side.face());
+      across.emplace_back(
+          PlaceOf(mesh, mesh.triangles[static_cast<std::size_t>(side.face())], side.slot() + 2),
+          side.face());
     if (across.size() == 2 && across[0].first != across[1].first) return;
     std::sort(across.begin(), across.end());
     for (std::size_t i = 1, begin = 0; i < across.size(); ++i) {
       if (across[i].first != across[begin].first) begin = i;
-      if (i > begin) first[static_cast<std::size_t>(across[i].second)] = across[begin].second;
+      const auto copy = static_cast<std::size_t>(across[i].second);
+      if (i > begin && !AreaVectorOf(mesh, mesh.triangles[copy]).isZero(0.0))
+        first[copy] = across[begin].second;
     }
   });
   return first;

@@ -21,8 +21,8 @@ using Places = std::array<int, 3>;
 class EdgeTable {
  public:
   struct Side {
-    int other = 0;    // the larger of the edge's two places
-    int index = 0;    // 3 * triangle + corner that the side leaves
+    int other = 0;  // the larger of the edge's two places
+    int index = 0;  // 3 * triangle + corner that the side leaves
     int face() const { return index / 3; }
     int slot() const { return index % 3; }
   };

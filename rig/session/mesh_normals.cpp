@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMaxAgainst = 0.05;   // of the faces
+constexpr double kMaxAgainst = 0.05;  // of the faces
 constexpr double kNearlyAll = 0.95;
 
 // Turns normals round, each once however many corners name it.
@@ -56,9 +56,8 @@ Status MendNormals(TriangleMesh& mesh, const MeshPieces& pieces, const std::stri
   std::size_t turned = 0, dropped = 0, open = 0;
   for (const MeshPiece& piece : pieces.pieces) {
     const auto faces = pieces.FacesOf(piece);
-    const auto count = static_cast<std::size_t>(
-        std::count_if(faces.begin(), faces.end(),
-                      [&](int f) { return against[static_cast<std::size_t>(f)]; }));
+    const auto count = static_cast<std::size_t>(std::count_if(
+        faces.begin(), faces.end(), [&](int f) { return against[static_cast<std::size_t>(f)]; }));
     const double share = static_cast<double>(count) / static_cast<double>(piece.size());
     if (share <= kMaxAgainst || !piece.IsClosed()) {
       open += count;
@@ -76,9 +75,10 @@ Status MendNormals(TriangleMesh& mesh, const MeshPieces& pieces, const std::stri
   }
   const std::string of_all = " of " + std::to_string(mesh.triangles.size()) + " faces ";
   if (static_cast<double>(open) > kMaxAgainst * all)
-    return InputError(file + ": " + std::to_string(open) + of_all +
-                      "have normals against their winding, allowed are at most 5 %; turn the" +
-                      " faces, so that they are counter-clockwise seen from outside, or the normals");
+    return InputError(
+        file + ": " + std::to_string(open) + of_all +
+        "have normals against their winding, allowed are at most 5 %; turn the" +
+        " faces, so that they are counter-clockwise seen from outside, or the normals");
   if (turned > 0)
     remarks.push_back(file + ": the normals of " + std::to_string(turned) + of_all +
                       "pointed inwards and were turned round");

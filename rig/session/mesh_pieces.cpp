@@ -45,9 +45,8 @@ class PieceFinder {
  private:
   // The corner that a side leaves, or goes to.
   int PlaceOf(int side, int step) const {
-    const auto& corner =
-        mesh_.triangles[static_cast<std::size_t>(side / 3)][static_cast<std::size_t>(
-            (side % 3 + step) % 3)];
+    const auto& corner = mesh_.triangles[static_cast<std::size_t>(side / 3)]
+                                        [static_cast<std::size_t>((side % 3 + step) % 3)];
     return mesh_.place[static_cast<std::size_t>(corner.vertex)];
   }
   const Vector3d& PointOf(int face, std::size_t slot) const {
@@ -69,8 +68,8 @@ class PieceFinder {
         if (other < 0) continue;
         // Two faces are wound alike if they run along their edge in opposite ways.
         const bool alike = PlaceOf(side, 0) == PlaceOf(other, 1);
-        const auto turned = static_cast<std::int8_t>(
-            out_.turned[static_cast<std::size_t>(face)] ^ (alike ? 0 : 1));
+        const auto turned =
+            static_cast<std::int8_t>(out_.turned[static_cast<std::size_t>(face)] ^ (alike ? 0 : 1));
         const auto next = static_cast<std::size_t>(other / 3);
         if (piece_[next] < 0) {
           piece_[next] = number;
@@ -140,7 +139,8 @@ class PieceFinder {
 bool MeshPiece::IsClosed() const {
   // No hole of this border has more area.
   const double open = border * border / (4.0 * std::numbers::pi);
-  return orientable && open <= kMaxOpen * area && std::abs(volume) > kMinVolume * std::pow(area, 1.5);
+  return orientable && open <= kMaxOpen * area &&
+         std::abs(volume) > kMinVolume * std::pow(area, 1.5);
 }
 
 MeshPieces FindPieces(const TriangleMesh& mesh, const EdgeTable& edges) {
@@ -159,8 +159,8 @@ bool IsInside(const TriangleMesh& mesh, const MeshPieces& pieces, const MeshPiec
     const Vector3d b = mesh.vertices[static_cast<std::size_t>(t[1].vertex)] - point;
     const Vector3d c = mesh.vertices[static_cast<std::size_t>(t[2].vertex)] - point;
     const double x = a.norm(), y = b.norm(), z = c.norm();
-    const double angle = 2.0 * std::atan2(a.dot(b.cross(c)),
-                                          x * y * z + a.dot(b) * z + a.dot(c) * y + b.dot(c) * x);
+    const double angle =
+        2.0 * std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + a.dot(c) * y + b.dot(c) * x);
     sum += pieces.turned[face] == 1 ? -angle : angle;
   }
   return std::abs(sum) > 2.0 * std::numbers::pi;

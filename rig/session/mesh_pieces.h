@@ -14,11 +14,11 @@ namespace turnlight::rig {
 
 struct MeshPiece {
   std::size_t begin = 0, end = 0;  // its faces are those of MeshPieces::faces from begin on
-  bool orientable = true;     // false: like a Moebius strip
+  bool orientable = true;          // false: like a Moebius strip
   double area = 0.0;
-  double turned_area = 0.0;   // of the faces that are against the first
-  double border = 0.0;        // length of what is open
-  double volume = 0.0;        // signed, as the first face is wound; capped flat where it is open
+  double turned_area = 0.0;  // of the faces that are against the first
+  double border = 0.0;       // length of what is open
+  double volume = 0.0;       // signed, as the first face is wound; capped flat where it is open
   Eigen::AlignedBox3d box;
 
   std::size_t size() const { return end - begin; }

@@ -72,6 +72,12 @@ class FaceCutter {
       triangles_.push_back({corners_[0], corners_[1], corners_[2]});
       return;
     }
+    // Begun at the same place, copies of a face that are wound differently are cut alike.
+    std::rotate(
+        corners_.begin(),
+        std::min_element(corners_.begin(), corners_.end(),
+                         [&](const Corner& a, const Corner& b) { return PlaceOf(a) < PlaceOf(b); }),
+        corners_.end());
     points_.clear();
     for (const Corner& corner : corners_) points_.push_back(At(mesh_.vertices, corner));
     const auto parts = Triangulate(points_);
@@ -95,7 +101,8 @@ class FaceCutter {
   std::string WhyUnnamed(const Corner& corner) const {
     const std::string vertex = "names vertex " + std::to_string(corner.vertex);
     if (corner.vertex >= 0 && static_cast<std::size_t>(corner.vertex) < usable_.size())
-      return vertex + ", whose coordinates are not finite or too large, allowed are finite numbers" +
+      return vertex +
+             ", whose coordinates are not finite or too large, allowed are finite numbers" +
              " of at most 1e18";
     return vertex + ", allowed are 0 to " +
            std::to_string(static_cast<std::int64_t>(usable_.size()) - 1) + ", counted from 0";

@@ -25,19 +25,18 @@ struct TriangleMesh {
   std::vector<int> place;
 };
 
-// Cuts the faces into triangles and leaves out those that cannot be used: with fewer than 3 corners,
-// naming a vertex that is not there or not finite (or above 1e18), crossing themselves, or without
-// area. Left out whatever their number are those that leave no hole: that have no area, or whose
-// edges all have another face on their other side besides, so that the surface is whole without
-// them. Fails (kInput) if those that leave a hole are more than 1 % of the faces, or no face is
-// left.
+// Cuts the faces into triangles and leaves out those that cannot be used: with fewer than 3
+// corners, naming a vertex that is not there or not finite (or above 1e18), crossing themselves, or
+// without area. Left out whatever their number are those that leave no hole: that have no area, or
+// whose edges all have another face on their other side besides, so that the surface is whole
+// without them. Fails (kInput) if those that leave a hole are more than 1 % of the faces, or no
+// face is left.
 Result<TriangleMesh> UsableTriangles(PolygonMesh mesh, const std::string& file,
                                      std::vector<std::string>& remarks);
 
 // Takes out the triangles without area, which till then tie their neighbours together, and the
 // vertices that no triangle names. Fails (kInput) if no triangle is left.
-Status RemoveUnused(TriangleMesh& mesh, const std::string& file,
-                    std::vector<std::string>& remarks);
+Status RemoveUnused(TriangleMesh& mesh, const std::string& file, std::vector<std::string>& remarks);
 
 // Which triangles meet at an edge, by the places of their corners.
 EdgeTable EdgesOf(const std::vector<TriangleMesh::Triangle>& triangles,

@@ -20,7 +20,8 @@ namespace turnlight::rig {
 // - What is open and was wound both ways is wound as the file's normals say, else as most of it was
 //   (four fifths of the area). Otherwise, if it is more than 1 % of the whole, this fails (kInput):
 //   the sides cannot be told. What is open and was wound one way stays as it is.
-// - Normals of the file that are against the winding on more than 5 % of the faces are turned round,
+// - Normals of the file that are against the winding on more than 5 % of the faces are turned
+// round,
 //   or made anew, where the piece is closed; if it is open, this fails (kInput).
 Status RepairWinding(TriangleMesh& mesh, const std::string& file,
                      std::vector<std::string>& remarks);

@@ -11,7 +11,8 @@ namespace {
 // Whether a number that a double cannot hold is too large, not too small.
 bool IsHuge(std::string_view word) {
   const std::size_t mark = word.find_first_of("eE");
-  if (mark != std::string_view::npos) return word.substr(mark + 1).find('-') == std::string_view::npos;
+  if (mark != std::string_view::npos)
+    return word.substr(mark + 1).find('-') == std::string_view::npos;
   return word.find_first_of("123456789") < word.find('.');
 }
 
@@ -30,7 +31,8 @@ std::optional<double> NumberOf(std::string_view word) {
   // As older libraries of Windows print what is not finite.
   if (code == std::errc() && *end == '#') {
     const std::string_view rest = word.substr(static_cast<std::size_t>(end - word.data()));
-    if (rest.starts_with("#INF")) return std::copysign(std::numeric_limits<double>::infinity(), value);
+    if (rest.starts_with("#INF"))
+      return std::copysign(std::numeric_limits<double>::infinity(), value);
     if (rest.starts_with("#QNAN") || rest.starts_with("#SNAN") || rest.starts_with("#IND"))
       return std::numeric_limits<double>::quiet_NaN();
   }

@@ -61,7 +61,15 @@ class Lines {
     rest_.remove_prefix(line.size());
     rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : rest_.empty() ? 0 : 1);
     ++ends_;
-    return line.substr(0, line.find('#'));
+    return line.substr(0, CommentOf(line));
+  }
+  // Where a word begins with #: "1.#QNAN" is a number.
+  static std::size_t CommentOf(std::string_view line) {
+    std::size_t at = line.find('#');
+    while (at != std::string_view::npos && at > 0 &&
+           kBlanks.find(line[at - 1]) == std::string_view::npos)
+      at = line.find('#', at + 1);
+    return at;
   }
   static bool Continues(std::string_view line) {
     const std::size_t last = line.find_last_not_of(kBlanks);

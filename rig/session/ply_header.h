@@ -1,4 +1,5 @@
-// The header of a PLY file: which elements with which properties follow it. Internal to this folder.
+// The header of a PLY file: which elements with which properties follow it. Internal to this
+// folder.
 #pragma once
 
 #include <cstddef>

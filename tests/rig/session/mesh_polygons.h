@@ -59,8 +59,8 @@ inline std::string Obj(const Polygons& mesh) {
 inline Polygons Cube(const Eigen::Vector3d& middle = Eigen::Vector3d::Zero(), double half = 10.0) {
   Polygons cube;
   for (int i = 0; i < 8; ++i)
-    cube.vertices.emplace_back(middle + half * Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1,
-                                                               i & 4 ? 1 : -1));
+    cube.vertices.emplace_back(
+        middle + half * Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
   cube.faces = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   return cube;
 }

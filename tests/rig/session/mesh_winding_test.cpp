@@ -1,5 +1,6 @@
-// Proves: the winding of closed meshes is mended whatever part of it is wrong, hollows stay, normals
-// follow, and what cannot be told is refused. Does not prove: that a bowl is not a dome; nobody can.
+// Proves: the winding of closed meshes is mended whatever part of it is wrong, hollows stay,
+// normals follow, and what cannot be told is refused. Does not prove: that a bowl is not a dome;
+// nobody can.
 #include "rig/session/mesh_winding.h"
 
 #include <gmock/gmock.h>
