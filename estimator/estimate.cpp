@@ -147,6 +147,7 @@ Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyfram
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;
   AddOutliersNote(observed->counts, out.estimate);
+  AddFacetsNote(geometry.shape(), out.estimate);
   out.residuals = ResidualMaps(observed->pixels, refined.solution.scene, refined.options.evaluate,
                                {rays.width(), rays.height()});
   return out;

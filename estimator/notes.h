@@ -1,6 +1,7 @@
 // What a reader of an estimate has to be told, each with a stable code.
 #pragma once
 
+#include "calib/target_shape.h"
 #include "estimator/estimate.h"
 #include "estimator/observe/usable.h"
 
@@ -22,5 +23,9 @@ bool Noisy(double noise, double brightest);
 
 // Code "outliers", if there are so many that some may have been missed.
 void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out);
+
+// Code "facets-coarse", if the target is a mesh that came without normals and its facets are larger
+// than the highlight.
+void AddFacetsNote(const calib::TargetShape& shape, Estimate& out);
 
 }  // namespace turnlight::estimator

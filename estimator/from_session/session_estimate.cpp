@@ -129,6 +129,7 @@ struct Loaded {
   std::vector<model::Keyframe> keyframes;
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
+  std::vector<std::string> repairs;  // of the mesh
 };
 
 Result<Loaded> Load(const std::filesystem::path& folder, const Options& options, Stages& stages) {
@@ -139,7 +140,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options,
   if (!chosen) return Forward(chosen);
   auto calibration = rig::ReadSessionCalibration(*session);
   if (!calibration) return Forward(calibration);
-  auto shape = rig::ReadTarget(*session);
+  std::vector<std::string> repairs;
+  auto shape = rig::ReadTarget(*session, &repairs);
   if (!shape) return Forward(shape);
   auto keyframes = LoadKeyframes(*session, *chosen, options.stop, stages);
   if (!keyframes) return Forward(keyframes);
@@ -148,7 +150,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options,
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);
   return Loaded{std::move(*session),   std::move(*calibration), std::move(*chosen),
-                std::move(*keyframes), std::move(geometry),     std::move(*closure)};
+                std::move(*keyframes), std::move(geometry),     std::move(*closure),
+                std::move(repairs)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
@@ -208,6 +211,8 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   stages.End();
   if (loaded->closure && !loaded->closure->closed)
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});
+  for (const std::string& repair : loaded->repairs)
+    output->estimate.notes.push_back({"mesh-repaired", repair});
   return SessionEstimate{std::move(loaded->session),  std::move(loaded->keyframes),
                          std::move(loaded->geometry), std::move(*output),
                          std::move(loaded->closure),  load_s};

@@ -1,5 +1,6 @@
 #include "estimator/observe/observed_scene.h"
 
+#include "estimator/observe/back_faces.h"
 #include "estimator/observe/views.h"
 
 namespace turnlight::estimator::observe {
@@ -10,6 +11,8 @@ Result<ObservedScene> ObserveScene(const std::vector<model::Keyframe>& keyframes
   std::vector<cv::Mat1b> flags;
   out.pixels = BuildObservations(keyframes, geometry, rays, &flags);
   out.counts = CountFlags(flags);
+  for (const model::Keyframe& keyframe : keyframes)
+    CountBackFaces(keyframe, geometry, rays, out.counts);
   if (const Status status = CheckOutliers(out.counts); !status) return Forward(status);
   if (const Status status = CheckUsable(out.pixels, &out.counts); !status) return Forward(status);
   for (const model::Keyframe& keyframe : keyframes)
