@@ -9,7 +9,7 @@
 namespace turnlight::estimator {
 namespace {
 
-constexpr double kFlat = 1e-4;         // radians that a facet turns, of rounding
+constexpr double kFlat = 1e-4;        // radians that a facet turns, of rounding
 constexpr double kLeastCurved = 0.1;  // of the area
 
 double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -24,12 +24,11 @@ double FacetTurn(const calib::MeshShape& mesh) {
   for (const Eigen::Vector3i& face : mesh.faces) {
     const auto a = static_cast<std::size_t>(face[0]), b = static_cast<std::size_t>(face[1]),
                c = static_cast<std::size_t>(face[2]);
-    const double facet = (mesh.vertices[b] - mesh.vertices[a])
-                             .cross(mesh.vertices[c] - mesh.vertices[a])
-                             .norm();
-    const double turn = std::max({Angle(mesh.normals[a], mesh.normals[b]),
-                                  Angle(mesh.normals[b], mesh.normals[c]),
-                                  Angle(mesh.normals[c], mesh.normals[a])});
+    const double facet =
+        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).norm();
+    const double turn =
+        std::max({Angle(mesh.normals[a], mesh.normals[b]), Angle(mesh.normals[b], mesh.normals[c]),
+                  Angle(mesh.normals[c], mesh.normals[a])});
     area += facet;
     if (turn <= kFlat) continue;
     curved += facet;

@@ -68,9 +68,9 @@ ReversedCopies RemoveCopies(TriangleMesh& mesh, const EdgeTable& edges, const st
   }
   mesh.triangles.resize(count);
   remarks.push_back(file + ": " + std::to_string(all - count) + " of " + std::to_string(all) +
-                    " faces are copies of others at the same place (" +
+                    " faces are copies of others at the same place, " +
                     std::to_string(reversed.copies.size()) +
-                    " faces are there both ways round): one of each was kept");
+                    " of them the other way round: one of each was kept");
   return reversed;
 }
 

@@ -81,7 +81,10 @@ class FaceCutter {
     points_.clear();
     for (const Corner& corner : corners_) points_.push_back(At(mesh_.vertices, corner));
     const auto parts = Triangulate(points_);
-    if (parts.empty()) return LeaveOut(face, "crosses itself or has no area", true);
+    if (parts.empty())
+      return LeaveOut(face,
+                      "crosses itself, has no area, or is not convex and has more than 256 corners",
+                      true);
     for (const auto& part : parts) {
       const TriangleMesh::Triangle triangle{corners_[static_cast<std::size_t>(part[0])],
                                             corners_[static_cast<std::size_t>(part[1])],

@@ -27,9 +27,14 @@ class Winder {
       : mesh_(mesh), pieces_(pieces), reversed_(reversed) {}
 
   void Run() {
-    for (const MeshPiece& piece : pieces_.pieces) {
-      total_area_ += piece.area;
-      Apply(piece, piece.IsClosed() ? OfClosed(piece) : OfOpen(piece));
+    // The largest first: they matter most while there is patience for what is inside what.
+    std::vector<const MeshPiece*> order;
+    for (const MeshPiece& piece : pieces_.pieces) order.push_back(&piece);
+    std::stable_sort(order.begin(), order.end(),
+                     [](const MeshPiece* a, const MeshPiece* b) { return a->area > b->area; });
+    for (const MeshPiece* piece : order) {
+      total_area_ += piece->area;
+      Apply(*piece, piece->IsClosed() ? OfClosed(*piece) : OfOpen(*piece));
     }
   }
 

@@ -1,5 +1,5 @@
-// Proves: the turn of normals across facets is that of known meshes, and the note is given where it is
-// larger than the highlight. Does not prove how wrong an estimate from coarse facets is.
+// Proves: the turn of normals across facets is that of known meshes, and the note is given where it
+// is larger than the highlight. Does not prove how wrong an estimate from coarse facets is.
 #include "estimator/facets.h"
 
 #include <gmock/gmock.h>
@@ -19,11 +19,13 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// A ball of radius 1 from an octahedron whose faces are cut in four again and again; normals radial.
+// A ball of radius 1 from an octahedron whose faces are cut in four again and again; normals
+// radial.
 calib::MeshShape CutBall(int cuts) {
   calib::MeshShape ball;
   ball.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  ball.faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  ball.faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   for (int cut = 0; cut < cuts; ++cut) {
     std::map<std::pair<int, int>, int> middles;
     const auto middle = [&](int a, int b) {

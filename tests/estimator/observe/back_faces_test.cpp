@@ -1,5 +1,5 @@
-// Proves: a mesh that shows its back is counted as such and refused in words of its winding, never of
-// poses or distance. Does not prove: which side of an open surface was meant.
+// Proves: a mesh that shows its back is counted as such and refused in words of its winding, never
+// of poses or distance. Does not prove: which side of an open surface was meant.
 #include "estimator/observe/back_faces.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,8 @@ calib::MeshShape Octahedron(bool inside_out) {
   calib::MeshShape mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   mesh.normals = mesh.vertices;
-  mesh.faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  mesh.faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   if (inside_out)
     for (Eigen::Vector3i& face : mesh.faces) std::swap(face[0], face[1]);
   return mesh;
@@ -49,9 +50,9 @@ TEST(BackFaces, AreTheRefusalsCause) {
   const auto scene = ObserveScene(ball.keyframes, geometry, ball.rays);
   ASSERT_FALSE(scene);
   EXPECT_EQ(scene.error().kind, ErrorKind::kNoEstimate);
-  EXPECT_THAT(scene.error().text, AllOf(HasSubstr("winding"), HasSubstr("Turn the faces round"),
-                                        Not(HasSubstr("check the poses")),
-                                        Not(HasSubstr("move the camera"))));
+  EXPECT_THAT(scene.error().text,
+              AllOf(HasSubstr("winding"), HasSubstr("Turn the faces round"),
+                    Not(HasSubstr("check the poses")), Not(HasSubstr("move the camera"))));
 }
 
 }  // namespace

@@ -65,7 +65,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"cube_some_normals.obj", 12, "30 of 36 corners of triangles have no usable normal"},
         Case{"cube_inside_out.ply", 12, "all 12 faces were wound inwards and were turned round"},
         Case{"cube_mixed_winding.ply", 12, "6 of 12 faces were wound the wrong way"},
-        Case{"cube_both_sides.ply", 12, "12 faces are there both ways round"}),
+        Case{"cube_both_sides.ply", 12,
+             "12 of 24 faces are copies of others at the same place, 12 of them the other"}),
     [](const auto& info) {
       const std::string file = info.param.file;
       return file.substr(0, file.find('.'));
