@@ -53,7 +53,9 @@ calib::MeshShape CutBall(int cuts) {
 TEST(Facets, TurnOfKnownMeshes) {
   EXPECT_NEAR(RadToDeg(FacetTurn(CutBall(0))), 90.0, 1e-9);
   EXPECT_NEAR(RadToDeg(FacetTurn(CutBall(1))), 60.0, 1e-9);  // of the middle ones, the largest
-  EXPECT_NEAR(RadToDeg(FacetTurn(CutBall(4))), 90.0 / 16.0, 1.5);
+  // The middle of a face is cut coarser than its corners.
+  EXPECT_GT(RadToDeg(FacetTurn(CutBall(4))), 90.0 / 16.0);
+  EXPECT_LT(RadToDeg(FacetTurn(CutBall(4))), 1.5 * 90.0 / 16.0);
   calib::MeshShape flat = CutBall(1);
   flat.normals.assign(flat.vertices.size(), Vector3d::UnitZ());
   EXPECT_EQ(FacetTurn(flat), 0.0);
@@ -77,7 +79,7 @@ TEST(Facets, NotedWhereLargerThanTheHighlight) {
   for (auto [fine, shininess, specular_model] :
        {std::tuple(CutBall(5), 100.0, model::SpecularModel::kPhong),
         {CutBall(3), 1.0, model::SpecularModel::kPhong},
-        {CutBall(3), 80.0, model::SpecularModel::kBlinnPhong},
+        {CutBall(3), 40.0, model::SpecularModel::kBlinnPhong},
         {CutBall(1), 100.0, model::SpecularModel::kNone}}) {
     Estimate other = Shiny(shininess, specular_model);
     AddFacetsNote(fine, other);
