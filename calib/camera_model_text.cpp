@@ -4,14 +4,23 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace turnlight::calib {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNeeded{"lensmodel", "intrinsics", "extrinsics",
-                                                  "imagersize"};
+// The names of the lens model's key; the first that is there counts, as with mrcal.
+constexpr std::array<std::string_view, 3> kLensModelKeys{"lensmodel", "distortion_model",
+                                                         "lens_model"};
+constexpr std::array<std::string_view, 2> kExtrinsicsKeys{"extrinsics", "rt_cam_ref"};
+
+template <std::size_t N>
+bool IsOneOf(const std::array<std::string_view, N>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool IsOpening(char c) { return c == '[' || c == '('; }
@@ -161,28 +170,59 @@ class Scanner {
   std::optional<Error> error_;
 };
 
-void ReadKey(Scanner& scanner, std::set<std::string, std::less<>>& seen, CameraModelText& model) {
+// What was read, and under which names.
+struct ReadKeys {
+  CameraModelText model;
+  std::map<std::string_view, std::string> lens_models;  // by key
+  std::set<std::string_view> seen;
+};
+
+void ReadKey(Scanner& scanner, ReadKeys& keys) {
   const std::string_view name = scanner.String("a key");
   const std::string where = "'" + Show(name) + "'";
   scanner.Expect(':', where);
-  const bool needed = std::find(kNeeded.begin(), kNeeded.end(), name) != kNeeded.end();
-  if (needed && !seen.emplace(name).second)
+  const bool lens_model = IsOneOf(kLensModelKeys, name);
+  const bool extrinsics = IsOneOf(kExtrinsicsKeys, name);
+  const bool ours = lens_model || extrinsics || name == "intrinsics" || name == "imagersize";
+  if (ours && !keys.seen.insert(name).second)
     scanner.Fail(where + ": this key appears more than once");
-  if (name == "lensmodel") {
-    model.lens_model = std::string(scanner.String(where));
+  if (lens_model) {
+    keys.lens_models[name] = std::string(scanner.String(where));
   } else if (name == "intrinsics") {
-    model.intrinsics = scanner.Numbers(where);
-  } else if (name == "extrinsics") {
+    keys.model.intrinsics = scanner.Numbers(where);
+  } else if (extrinsics) {
     const std::size_t count = scanner.Numbers(where).size();
     if (count != 6) scanner.Fail(where + ": " + std::to_string(count) + " numbers, allowed are 6");
   } else if (name == "imagersize") {
-    model.imager_size = scanner.Numbers(where);
-    if (model.imager_size.size() != 2)
-      scanner.Fail(where + ": " + std::to_string(model.imager_size.size()) +
+    keys.model.imager_size = scanner.Numbers(where);
+    if (keys.model.imager_size.size() != 2)
+      scanner.Fail(where + ": " + std::to_string(keys.model.imager_size.size()) +
                    " numbers, allowed are 2, width and height");
   } else {
     scanner.Skip(where);
   }
+}
+
+// A lens model by its name of today.
+std::string CurrentLensModel(std::string name) {
+  constexpr std::string_view kFormer = "DISTORTION", kNow = "LENSMODEL";
+  for (std::size_t at = 0; (at = name.find(kFormer, at)) != std::string::npos; at += kNow.size())
+    name.replace(at, kFormer.size(), kNow);
+  return name == "LENSMODEL_NONE" ? "LENSMODEL_PINHOLE" : name;
+}
+
+template <std::size_t N>
+bool SeenAny(const std::set<std::string_view>& seen, const std::array<std::string_view, N>& names) {
+  return std::any_of(names.begin(), names.end(),
+                     [&](std::string_view name) { return seen.contains(name); });
+}
+
+// The first key that is missing under all its names, by its name of today; empty if none is.
+std::string_view MissingKey(const std::set<std::string_view>& seen) {
+  if (!SeenAny(seen, kLensModelKeys)) return kLensModelKeys.front();
+  if (!seen.contains("intrinsics")) return "intrinsics";
+  if (!SeenAny(seen, kExtrinsicsKeys)) return kExtrinsicsKeys.front();
+  return seen.contains("imagersize") ? "" : "imagersize";
 }
 
 }  // namespace
@@ -191,12 +231,11 @@ Result<CameraModelText> ReadCameraModelText(std::string_view text, const std::st
   if (text.size() > kMaxCameraModelBytes)
     return InputError(file + ": " + std::to_string(text.size()) + " bytes, allowed are at most " +
                       std::to_string(kMaxCameraModelBytes));
-  CameraModelText model;
-  std::set<std::string, std::less<>> seen;
+  ReadKeys keys;
   Scanner scanner(text, file);
   scanner.Expect('{', "a camera model");
   while (!scanner.error() && scanner.Peek() != '}') {
-    ReadKey(scanner, seen, model);
+    ReadKey(scanner, keys);
     if (!scanner.Take(',') && scanner.Peek() != '}')
       scanner.Fail("after a value: " + scanner.Next() + ", allowed is ',' or '}'");
   }
@@ -204,10 +243,13 @@ Result<CameraModelText> ReadCameraModelText(std::string_view text, const std::st
   if (!scanner.error() && scanner.Next() != "the text ends")
     scanner.Fail("after the closing '}': " + scanner.Next() + ", allowed is nothing");
   if (scanner.error()) return tl::unexpected<Error>(*scanner.error());
-  for (const std::string_view key : kNeeded)
-    if (!seen.contains(key))
-      return InputError(file + ": '" + std::string(key) + "': this key is missing");
-  return model;
+  if (const std::string_view missing = MissingKey(keys.seen); !missing.empty())
+    return InputError(file + ": '" + std::string(missing) + "': this key is missing");
+  const auto counts =
+      std::find_if(kLensModelKeys.begin(), kLensModelKeys.end(),
+                   [&](std::string_view name) { return keys.lens_models.contains(name); });
+  keys.model.lens_model = CurrentLensModel(keys.lens_models.at(*counts));
+  return std::move(keys.model);
 }
 
 }  // namespace turnlight::calib

@@ -17,15 +17,20 @@ namespace turnlight::calib {
 inline constexpr std::size_t kMaxCameraModelBytes = std::size_t{64} << 20;
 
 struct CameraModelText {
-  std::string lens_model;           // as written, not yet checked
+  std::string lens_model;           // by its name of today, not yet checked
   std::vector<double> intrinsics;   // finite
   std::vector<double> imager_size;  // two numbers, finite, not yet checked
 };
 
+// The keys have the names that mrcal gave them over time. The lens model is 'lensmodel', or where
+// that is missing 'distortion_model', else 'lens_model'; DISTORTION in its name is read as
+// LENSMODEL, and DISTORTION_NONE as LENSMODEL_PINHOLE. The extrinsics are 'extrinsics' or
+// 'rt_cam_ref' (from mrcal 2.5 on), or both.
+//
 // Fails (kInput) with file, line and key: a text of more than kMaxCameraModelBytes, a syntax error,
-// a missing or repeated key of 'lensmodel', 'intrinsics', 'extrinsics', 'imagersize', a number that
-// is not finite. Other keys are skipped, as mrcal does; so are the extrinsics, which must be there
-// for mrcal's sake.
+// a key of these, of 'intrinsics' or 'imagersize' that is missing under all its names or there
+// twice, a number that is not finite. Other keys are skipped, as mrcal does; so are the extrinsics,
+// which must be there for mrcal's sake.
 Result<CameraModelText> ReadCameraModelText(std::string_view text, const std::string& file);
 
 }  // namespace turnlight::calib

@@ -23,6 +23,7 @@ struct MeshShape {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3d> normals;  // unit, one per vertex
   std::vector<Eigen::Vector3i> faces;    // counter-clockwise seen from outside
+  bool normals_made = false;             // from the faces: whoever gave the shape gave none
 };
 
 using TargetShape = std::variant<SphereShape, PlaneShape, MeshShape>;

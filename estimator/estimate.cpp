@@ -164,6 +164,7 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
   out.estimate.initial_s += built;
   AddOutliersNote(observed->counts, out.estimate);
   AddThinnedNote(observed->pixels, observed->usable, out.estimate);
+  AddFacetsNote(geometry.shape(), out.estimate);
   out.noise = observe::EstimateNoise(observed->pixels);
   out.frame_rms = RmsByKeyframe(observed->pixels, refined.solution.scene, refined.options.evaluate);
   if (options.residuals_of)

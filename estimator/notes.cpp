@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <string>
+#include <variant>
 
+#include "base/angles.h"
 #include "base/format.h"
+#include "estimator/facets.h"
 
 namespace turnlight::estimator {
 namespace {
@@ -85,6 +88,27 @@ void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estim
        Format("%zu of about %zu usable pixels were used, in blocks of %d x %d spread evenly over "
               "the pictures: more are not held in memory (--pixels).",
               kept.used, usable, kSide, kSide)});
+}
+
+void AddFacetsNote(const calib::TargetShape& shape, Estimate& out) {
+  const auto* mesh = std::get_if<calib::MeshShape>(&shape);
+  const model::Reflectance& reflectance = out.reflectance;
+  if (mesh == nullptr || !mesh->normals_made || reflectance.specular <= 0.0 ||
+      reflectance.specular_model == model::SpecularModel::kNone)
+    return;
+  // The normals over which the highlight is above half of its peak. The mirrored ray turns by twice
+  // the angle of the normal, the half vector by the same.
+  const double half = model::LobeHalfWidth(reflectance.shininess);
+  const double highlight =
+      reflectance.specular_model == model::SpecularModel::kPhong ? half : 2.0 * half;
+  const double turn = FacetTurn(*mesh);
+  if (turn <= highlight) return;
+      {"facets-coarse",
+       Format("The mesh came without normals, and those made from its faces turn by %.1f degrees "
+              "across a facet, while the highlight is %.1f degrees of normals wide: its shape, and "
+              "with it shininess and lights, is that of the facets. Use a finer mesh, or one with "
+              "normals.",
+              RadToDeg(turn), RadToDeg(highlight))});
 }
 
 }  // namespace turnlight::estimator

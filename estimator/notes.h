@@ -1,6 +1,7 @@
 // What a reader of an estimate has to be told, each with a stable code.
 #pragma once
 
+#include "calib/target_shape.h"
 #include "estimator/estimate.h"
 #include "estimator/observe/usable.h"
 
@@ -25,5 +26,8 @@ void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out);
 
 // Code "pixels-thinned", if not all of the usable pixels were kept.
 void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estimate& out);
+// Code "facets-coarse", if the target is a mesh that came without normals and its facets are larger
+// than the highlight.
+void AddFacetsNote(const calib::TargetShape& shape, Estimate& out);
 
 }  // namespace turnlight::estimator

@@ -122,6 +122,7 @@ struct Loaded {
   model::KeyframeSource keyframes;
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
+  std::vector<std::string> repairs;  // of the mesh
 };
 
 Result<Loaded> Load(const std::filesystem::path& folder, const Options& options) {
@@ -132,7 +133,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   if (!chosen) return Forward(chosen);
   auto calibration = rig::ReadSessionCalibration(*session);
   if (!calibration) return Forward(calibration);
-  auto shape = rig::ReadTarget(*session);
+  std::vector<std::string> repairs;
+  auto shape = rig::ReadTarget(*session, &repairs);
   if (!shape) return Forward(shape);
   model::KeyframeSource keyframes = FramesOf(*session, *chosen);
   target::Geometry geometry(std::move(*shape));
@@ -140,7 +142,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);
   return Loaded{std::move(*session),  std::move(*calibration), std::move(*chosen),
-                std::move(keyframes), std::move(geometry),     std::move(*closure)};
+                std::move(keyframes), std::move(geometry),     std::move(*closure),
+                std::move(repairs)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
@@ -197,7 +200,7 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const calib::RayGrid
 // The same without some of the keyframes.
 Loaded Without(const Loaded& loaded, const std::vector<std::size_t>& views) {
   Loaded out{loaded.session, loaded.calibration, {}, {}, target::Geometry(loaded.geometry.shape()),
-             loaded.closure};
+             loaded.closure, loaded.repairs};
   for (std::size_t k = 0; k < loaded.chosen.size(); ++k)
     if (!std::binary_search(views.begin(), views.end(), k)) out.chosen.push_back(loaded.chosen[k]);
   out.keyframes = FramesOf(loaded.session, out.chosen);
@@ -273,6 +276,8 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   stages.End();
   if (loaded->closure && !loaded->closure->closed)
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});
+  for (const std::string& repair : loaded->repairs)
+    output->estimate.notes.push_back({"mesh-repaired", repair});
   return SessionEstimate{std::move(loaded->session),  std::move(loaded->keyframes),
                          std::move(loaded->geometry), std::move(*output),
                          std::move(loaded->closure),  load_s};

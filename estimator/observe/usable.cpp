@@ -13,6 +13,12 @@ constexpr double kDarkRadiance = 1e-7;                         // white is 1: no
 
 // Why so few pixels are usable.
 std::string WhyUnusable(const FlagCounts& counts) {
+  if (2 * counts.from_behind > counts.rays)
+    return Format(
+        "%zu of %zu rays that meet the mesh meet its faces from behind: its winding is "
+        "inside out, or an open surface is seen from its back. Turn the faces round, so "
+        "that they are counter-clockwise seen from outside.",
+        counts.from_behind, counts.rays);
   if (counts.on_target == 0)
     return "No pixel shows the target: check the poses, the masks and the target's size.";
   const auto of = [&](std::size_t count) {

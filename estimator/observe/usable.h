@@ -13,6 +13,7 @@ namespace turnlight::estimator::observe {
 // Pixels of the target by what was found about them, over all keyframes.
 struct FlagCounts {
   std::size_t on_target = 0, saturated = 0, outliers = 0, lost = 0, edge = 0;
+  std::size_t rays = 0, from_behind = 0;  // of a sample: that meet the target, and its back
 };
 // Added to counts.
 FlagCounts CountFlags(const std::vector<cv::Mat1b>& flags, FlagCounts counts = {});

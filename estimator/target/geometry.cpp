@@ -131,7 +131,8 @@ struct Geometry::MeshTracer {
     return skip;
   }
 
-  std::optional<SurfacePoint> Intersect(const Vector3d& origin, const Vector3d& direction) const {
+  // The first face along a ray; RTC_INVALID_GEOMETRY_ID if there is none.
+  unsigned FirstFace(const Vector3d& origin, const Vector3d& direction) const {
     RTCRayHit query;
     SetRay(query.ray, origin, direction.normalized());
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -139,8 +140,21 @@ struct Geometry::MeshTracer {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return Recompute(query.hit.primID, origin, direction);
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? RTC_INVALID_GEOMETRY_ID : query.hit.primID;
+  }
+
+  std::optional<SurfacePoint> Intersect(const Vector3d& origin, const Vector3d& direction) const {
+    const unsigned primitive = FirstFace(origin, direction);
+    if (primitive == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return Recompute(primitive, origin, direction);
+  }
+
+  bool MeetsBack(const Vector3d& origin, const Vector3d& direction) const {
+    const unsigned primitive = FirstFace(origin, direction);
+    if (primitive == RTC_INVALID_GEOMETRY_ID) return false;
+    const Eigen::Vector3i& face = mesh.faces[primitive];
+    const Vector3d& a = mesh.vertices[face[0]];
+    return (mesh.vertices[face[1]] - a).cross(mesh.vertices[face[2]] - a).dot(direction) > 0.0;
   }
 
   // The hit with a known face in double precision: Moeller and Trumbore, "Fast, Minimum Storage
@@ -209,6 +223,10 @@ std::optional<SurfacePoint> Geometry::Intersect(const Vector3d& origin,
   if (const auto* plane = std::get_if<calib::PlaneShape>(shape_.get()))
     return IntersectPlane(*plane, origin, direction);
   return mesh_->Intersect(origin, direction);
+}
+
+bool Geometry::MeetsBack(const Vector3d& origin, const Vector3d& direction) const {
+  return mesh_ && mesh_->MeetsBack(origin, direction);
 }
 
 bool Geometry::CanShadowItself() const { return mesh_ != nullptr; }

@@ -35,6 +35,9 @@ class Geometry {
   std::optional<SurfacePoint> Intersect(const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction) const;
 
+  // Whether the first face of a mesh along the ray is seen from its back. False for other shapes.
+  bool MeetsBack(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+
   // Whether anything of the target lies strictly between a surface point and what is at
   // origin + direction * max_distance (infinity for a distant light). normal is the geometric
   // normal at the point, along which the start is lifted to clear the surface itself; direction is

@@ -3,156 +3,121 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
-#include <map>
+#include <limits>
+#include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "rig/session/mesh_formats.h"
-#include "rig/session/triangulate.h"
+#include "rig/session/mesh_repair.h"
+#include "rig/session/mesh_winding.h"
 #include "rig/session/vertex_normals.h"
 
 namespace turnlight::rig {
 namespace {
 
 constexpr std::size_t kMaxFaces = std::size_t{1} << 26;
-constexpr std::size_t kMaxPolygonCorners = 256;
-// Squares of this still fit in the float that rays are traced in.
-constexpr double kMaxCoordinate = 1e18;
-constexpr double kMaxAgainstWinding = 0.05;
+constexpr double kVisibleStep = 1e-6;  // of single precision, in a mesh's extents
 
-using Corner = PolygonMesh::Corner;
-using Triangle = std::array<Corner, 3>;
-
-bool IsUsable(const Eigen::Vector3d& v) {
-  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate;
+Status CheckSize(const PolygonMesh& mesh, const std::string& file) {
+  if (mesh.ends.size() <= kMaxFaces && mesh.corners.size() <= 3 * kMaxFaces &&
+      mesh.vertices.size() <= 3 * kMaxFaces)
+    return {};
+  return InputError(file + ": the mesh has " + std::to_string(mesh.ends.size()) + " faces and " +
+                    std::to_string(mesh.vertices.size()) + " vertices, allowed are at most " +
+                    std::to_string(kMaxFaces) + " triangles");
 }
 
-Status CheckNumbers(const PolygonMesh& mesh, const std::string& file) {
-  const std::string allowed = ", allowed are finite numbers of at most 1e18";
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    if (!IsUsable(mesh.vertices[i]))
-      return InputError(file + ": the coordinates of vertex " + std::to_string(i) +
-                        " are not finite or too large" + allowed);
-  for (std::size_t i = 0; i < mesh.normals.size(); ++i)
-    if (!IsUsable(mesh.normals[i]))
-      return InputError(file + ": normal " + std::to_string(i) + " is not finite or too large" +
-                        allowed);
-  return {};
+std::vector<Eigen::Vector3i> FacesOf(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3i> faces;
+  faces.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles) faces.emplace_back(t[0].vertex, t[1].vertex, t[2].vertex);
+  return faces;
 }
 
-Status CheckCorners(const PolygonMesh& mesh, const std::string& file) {
-  const auto vertices = static_cast<std::int64_t>(mesh.vertices.size());
-  const auto normals = static_cast<std::int64_t>(mesh.normals.size());
-  std::size_t start = 0;
-  for (std::size_t f = 0; f < mesh.ends.size(); start = mesh.ends[f++]) {
-    const std::string where = file + ": face " + std::to_string(f);
-    const std::size_t count = mesh.ends[f] - start;
-    if (count < 3 || count > kMaxPolygonCorners)
-      return InputError(where + " has " + std::to_string(count) + " corners, allowed are 3 to " +
-                        std::to_string(kMaxPolygonCorners));
-    for (std::size_t i = start; i < mesh.ends[f]; ++i) {
-      const Corner& corner = mesh.corners[i];
-      if (corner.vertex < 0 || corner.vertex >= vertices)
-        return InputError(where + " names vertex " + std::to_string(corner.vertex) +
-                          ", allowed are 0 to " + std::to_string(vertices - 1) +
-                          ", counted from 0");
-      if (corner.normal < -1 || corner.normal >= normals)
-        return InputError(where + " names normal " + std::to_string(corner.normal) +
-                          ", allowed are 0 to " + std::to_string(normals - 1) + ", counted from 0");
-      if ((corner.normal < 0) != (mesh.corners[0].normal < 0))
-        return InputError(where +
-                          ": some corners have a normal and others have none, allowed is a" +
-                          " normal at all corners or at none");
+// Corners without a normal get one of the faces around them.
+void MakeMissingNormals(TriangleMesh& mesh) {
+  const calib::MeshShape made = WithVertexNormals(mesh.vertices, FacesOf(mesh));
+  const auto first = static_cast<std::int32_t>(mesh.normals.size());
+  mesh.normals.insert(mesh.normals.end(), made.normals.begin(), made.normals.end());
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      auto& corner = mesh.triangles[f][static_cast<std::size_t>(k)];
+      if (corner.normal < 0) corner.normal = first + made.faces[f][k];
     }
-  }
-  return {};
-}
-
-Status Check(const PolygonMesh& mesh, const std::string& file) {
-  if (mesh.ends.empty()) return InputError(file + ": the mesh has no faces, allowed is 1 or more");
-  const std::size_t triangles = mesh.corners.size() - 2 * mesh.ends.size();
-  if (mesh.ends.size() > kMaxFaces || triangles > kMaxFaces || mesh.vertices.size() > 3 * kMaxFaces)
-    return InputError(file + ": the mesh has " + std::to_string(mesh.ends.size()) + " faces and " +
-                      std::to_string(mesh.vertices.size()) + " vertices, allowed are at most " +
-                      std::to_string(kMaxFaces) + " triangles");
-  if (const Status status = CheckNumbers(mesh, file); !status) return status;
-  return CheckCorners(mesh, file);
-}
-
-Result<std::vector<Triangle>> TrianglesOf(const PolygonMesh& mesh, const std::string& file) {
-  std::vector<Triangle> triangles;
-  std::vector<Eigen::Vector3d> corners;
-  std::size_t start = 0;
-  for (std::size_t f = 0; f < mesh.ends.size(); start = mesh.ends[f++]) {
-    corners.clear();
-    for (std::size_t i = start; i < mesh.ends[f]; ++i)
-      corners.push_back(mesh.vertices[static_cast<std::size_t>(mesh.corners[i].vertex)]);
-    const auto parts = Triangulate(corners);
-    if (parts.empty())
-      return InputError(file + ": face " + std::to_string(f) +
-                        " has no area or crosses itself, allowed are simple polygons");
-    for (const auto& part : parts) {
-      const auto corner = [&](int k) {
-        return mesh.corners[start + static_cast<std::size_t>(part[static_cast<std::size_t>(k)])];
-      };
-      triangles.push_back({corner(0), corner(1), corner(2)});
-    }
-  }
-  return triangles;
 }
 
 // Vertices keep their index with the first normal that a face gives them; copies with further
 // normals are appended.
-Result<calib::MeshShape> WithFileNormals(PolygonMesh mesh, const std::vector<Triangle>& triangles,
-                                         const std::string& file) {
+calib::MeshShape WithCornerNormals(TriangleMesh mesh) {
   calib::MeshShape shape{std::move(mesh.vertices), {}, {}};
   shape.normals.assign(shape.vertices.size(), Eigen::Vector3d::UnitZ());
-  std::vector<std::int64_t> first(shape.vertices.size(), -1);
-  std::map<std::pair<std::int64_t, std::int64_t>, int> copies;
-  for (const Triangle& triangle : triangles) {
+  shape.faces.reserve(mesh.triangles.size());
+  std::vector<std::int32_t> first(shape.vertices.size(), -1);
+  std::unordered_map<std::uint64_t, int> copies;  // by vertex and normal
+  for (const TriangleMesh::Triangle& triangle : mesh.triangles) {
     Eigen::Vector3i& face = shape.faces.emplace_back();
     for (int k = 0; k < 3; ++k) {
-      const Corner& corner = triangle[static_cast<std::size_t>(k)];
+      const auto& corner = triangle[static_cast<std::size_t>(k)];
       const auto vertex = static_cast<std::size_t>(corner.vertex);
+      face[k] = corner.vertex;
+      if (first[vertex] == corner.normal) continue;
       const Eigen::Vector3d normal =
           mesh.normals[static_cast<std::size_t>(corner.normal)].stableNormalized();
-      if (normal.isZero())
-        return InputError(file + ": normal " + std::to_string(corner.normal) +
-                          " has length 0, allowed are directions");
-      face[k] = static_cast<int>(vertex);
       if (first[vertex] < 0) {
         first[vertex] = corner.normal;
         shape.normals[vertex] = normal;
-      } else if (first[vertex] != corner.normal) {
-        const auto [copy, is_new] = copies.try_emplace({corner.vertex, corner.normal},
-                                                       static_cast<int>(shape.vertices.size()));
-        face[k] = copy->second;
-        if (!is_new) continue;
-        const Eigen::Vector3d position = shape.vertices[vertex];
-        shape.vertices.push_back(position);
-        shape.normals.push_back(normal);
+        continue;
       }
+      const std::uint64_t key = (static_cast<std::uint64_t>(corner.vertex) << 32) |
+                                static_cast<std::uint32_t>(corner.normal);
+      const auto [copy, is_new] = copies.try_emplace(key, static_cast<int>(shape.vertices.size()));
+      face[k] = copy->second;
+      if (!is_new) continue;
+      const Eigen::Vector3d position = shape.vertices[vertex];
+      shape.vertices.push_back(position);
+      shape.normals.push_back(normal);
     }
   }
   return shape;
 }
 
-Status CheckWinding(const calib::MeshShape& shape, const std::string& file) {
-  std::size_t against = 0;
-  for (const Eigen::Vector3i& face : shape.faces) {
-    const Eigen::Vector3d mean = shape.normals[static_cast<std::size_t>(face[0])] +
-                                 shape.normals[static_cast<std::size_t>(face[1])] +
-                                 shape.normals[static_cast<std::size_t>(face[2])];
-    if (FaceAreaVector(shape.vertices, face).dot(mean) < 0.0) ++against;
+calib::MeshShape WithNormals(TriangleMesh mesh, const std::string& file,
+                             std::vector<std::string>& remarks) {
+  std::size_t missing = 0;
+  for (const auto& triangle : mesh.triangles)
+    for (const auto& corner : triangle) missing += corner.normal < 0 ? 1 : 0;
+  const std::size_t corners = 3 * mesh.triangles.size();
+  if (missing > 0 && !mesh.normals.empty())
+    remarks.push_back(file + ": " + std::to_string(missing) + " of " + std::to_string(corners) +
+                      " corners of triangles have no usable normal: it was made from the faces");
+  if (missing == corners) {
+    std::vector<Eigen::Vector3i> faces = FacesOf(mesh);
+    calib::MeshShape shape = WithVertexNormals(std::move(mesh.vertices), std::move(faces));
+    shape.normals_made = true;
+    return shape;
   }
-  const double share = static_cast<double>(against) / static_cast<double>(shape.faces.size());
-  if (share > kMaxAgainstWinding)
-    return InputError(
-        file + ": " + std::to_string(against) + " of " + std::to_string(shape.faces.size()) +
-        " faces have normals against their winding, allowed are at most 5 %; turn the" +
-        " faces, so that they are counter-clockwise seen from outside, or the normals");
-  return {};
+  if (missing > 0) MakeMissingNormals(mesh);
+  return WithCornerNormals(std::move(mesh));
+}
+
+// Tells of a mesh so far from the origin that single precision spoils it.
+void RemarkPrecision(const TriangleMesh& mesh, const std::string& file,
+                     std::vector<std::string>& remarks) {
+  Eigen::Vector3d low = mesh.vertices[0], high = low;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const double far = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  const double step = std::numeric_limits<float>::epsilon() * far;
+  if (step <= kVisibleStep * (high - low).maxCoeff()) return;
+  remarks.push_back(
+      file + Format(": the coordinates are single-precision numbers as large as %.7g: they are "
+                    "rounded by up to %.2g, in a mesh of %.3g; write them as doubles, or move the "
+                    "mesh to the origin",
+                    far, 0.5 * step, (high - low).maxCoeff()));
 }
 
 Result<PolygonMesh> Import(const std::string& bytes, const std::filesystem::path& file) {
@@ -165,39 +130,38 @@ Result<PolygonMesh> Import(const std::string& bytes, const std::filesystem::path
                     "\", allowed are .ply and .obj");
 }
 
-Result<calib::MeshShape> Parse(const std::string& bytes, const std::filesystem::path& file) {
-  auto mesh = Import(bytes, file);
+Result<calib::MeshShape> Parse(const std::string& bytes, const std::filesystem::path& path,
+                               std::vector<std::string>& remarks) {
+  const std::string file = path.string();
+  auto polygons = Import(bytes, path);
+  if (!polygons) return Forward(polygons);
+  if (const Status status = CheckSize(*polygons, file); !status) return Forward(status);
+  const bool single_precision = polygons->single_precision;
+  auto mesh = UsableTriangles(std::move(*polygons), file, remarks);
   if (!mesh) return Forward(mesh);
-  if (const Status status = Check(*mesh, file.string()); !status) return Forward(status);
-  const auto triangles = TrianglesOf(*mesh, file.string());
-  if (!triangles) return Forward(triangles);
-  if (mesh->corners[0].normal >= 0) {
-    auto shape = WithFileNormals(std::move(*mesh), *triangles, file.string());
-    if (!shape) return shape;
-    const Status status = CheckWinding(*shape, file.string());
-    return status ? std::move(shape) : Result<calib::MeshShape>(Forward(status));
-  }
-  std::vector<Eigen::Vector3i> faces;
-  for (const Triangle& t : *triangles)
-    faces.emplace_back(static_cast<int>(t[0].vertex), static_cast<int>(t[1].vertex),
-                       static_cast<int>(t[2].vertex));
-  return WithVertexNormals(std::move(mesh->vertices), std::move(faces));
+  if (const Status status = RepairWinding(*mesh, file, remarks); !status) return Forward(status);
+  if (const Status status = RemoveUnused(*mesh, file, remarks); !status) return Forward(status);
+  if (single_precision) RemarkPrecision(*mesh, file, remarks);
+  return WithNormals(std::move(*mesh), file, remarks);
 }
 
 }  // namespace
 
-Result<calib::MeshShape> ParseMesh(const std::string& bytes, const std::filesystem::path& file) {
+Result<calib::MeshShape> ParseMesh(const std::string& bytes, const std::filesystem::path& file,
+                                   std::vector<std::string>* remarks) {
+  std::vector<std::string> unused;
   try {
-    return Parse(bytes, file);
+    return Parse(bytes, file, remarks ? *remarks : unused);
   } catch (const std::exception& error) {
     return InputError(file.string() + ": damaged mesh: " + error.what());
   }
 }
 
-Result<calib::MeshShape> ReadMesh(const std::filesystem::path& path) {
+Result<calib::MeshShape> ReadMesh(const std::filesystem::path& path,
+                                  std::vector<std::string>* remarks) {
   const auto bytes = ReadFile(path);
   if (!bytes) return Forward(bytes);
-  return ParseMesh(*bytes, path);
+  return ParseMesh(*bytes, path, remarks);
 }
 
 }  // namespace turnlight::rig

@@ -1,288 +1,363 @@
-// PLY by OpenMesh's reader, without its half-edge mesh: that drops faces it cannot link.
-//
-// The reader trusts a header, reads lists that it does not know as single values, and keeps its
-// state in one global object. So the header is parsed here and passed on in a plain form with only
-// what is needed, the stream throws where the reader would go on after the end, and one thread
-// reads at a time.
-#include <OpenMesh/Core/IO/importer/BaseImporter.hh>
-#include <OpenMesh/Core/IO/reader/PLYReader.hh>
-#include <OpenMesh/Core/System/omstream.hh>
+// PLY: the header says what follows, so that whatever is not of the mesh can be stepped over.
 #include <algorithm>
-#include <charconv>
-#include <locale>
-#include <map>
-#include <mutex>
-#include <sstream>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <string_view>
+#include <utility>
 
 #include "rig/session/mesh_formats.h"
+#include "rig/session/number_text.h"
+#include "rig/session/ply_header.h"
 
 namespace turnlight::rig {
 namespace {
 
-using OpenMesh::FaceHandle;
-using OpenMesh::HalfedgeHandle;
-using OpenMesh::VertexHandle;
+constexpr double kStripEnd = -1.0, kUnsignedStripEnd = 4294967295.0;
 
-struct Property {
-  std::string name;
-  std::string type;        // the plain name: "uchar", "float", ...
-  std::string count_type;  // of a list's length; empty for a single value
+// Values one after another, as text. Each Take is false where the values end or are no numbers.
+class TextValues {
+ public:
+  explicit TextValues(std::string_view rest) : rest_(rest) {}
+
+  bool Take(PlyType, double& value) {
+    const auto number = NumberOf(Word());
+    value = number.value_or(0.0);
+    return number.has_value();
+  }
+  bool Skip(PlyType, std::size_t count) {
+    for (; count > 0; --count)
+      if (Word().empty()) return false;
+    return true;
+  }
+  // The least that a value takes, and what is there, in bytes.
+  static double BytesOf(PlyType) { return 2.0; }
+  double Left() const { return static_cast<double>(rest_.size()) + 1.0; }
+
+ private:
+  std::string_view Word() {
+    const auto blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
+    const char* end = rest_.data() + rest_.size();
+    const char* begin = std::find_if_not(rest_.data(), end, blank);
+    const char* stop = std::find_if(begin, end, blank);
+    rest_ = {stop, static_cast<std::size_t>(end - stop)};
+    return {begin, static_cast<std::size_t>(stop - begin)};
+  }
+  std::string_view rest_;
 };
 
-struct Element {
-  std::string name;
-  std::size_t count = 0;
-  std::vector<Property> properties;
+// The same, as bytes.
+class BinaryValues {
+ public:
+  BinaryValues(std::string_view rest, bool big)
+      : rest_(rest), swap_(big == (std::endian::native == std::endian::little)) {}
+
+  bool Take(PlyType type, double& value) {
+    if (rest_.size() < SizeOf(type)) return false;
+    switch (type) {
+      case PlyType::kInt8:
+        value = Get<std::int8_t>();
+        break;
+      case PlyType::kUint8:
+        value = Get<std::uint8_t>();
+        break;
+      case PlyType::kInt16:
+        value = Get<std::int16_t>();
+        break;
+      case PlyType::kUint16:
+        value = Get<std::uint16_t>();
+        break;
+      case PlyType::kInt32:
+        value = Get<std::int32_t>();
+        break;
+      case PlyType::kUint32:
+        value = Get<std::uint32_t>();
+        break;
+      case PlyType::kFloat:
+        value = Get<float>();
+        break;
+      case PlyType::kDouble:
+        value = Get<double>();
+        break;
+    }
+    return true;
+  }
+  bool Skip(PlyType type, std::size_t count) {
+    if (static_cast<double>(count) * BytesOf(type) > Left()) return false;
+    rest_.remove_prefix(count * SizeOf(type));
+    return true;
+  }
+  static double BytesOf(PlyType type) { return static_cast<double>(SizeOf(type)); }
+  double Left() const { return static_cast<double>(rest_.size()); }
+
+ private:
+  template <typename T>
+  T Get() {
+    std::array<char, sizeof(T)> bytes;
+    std::memcpy(bytes.data(), rest_.data(), sizeof(T));
+    rest_.remove_prefix(sizeof(T));
+    if (swap_) std::reverse(bytes.begin(), bytes.end());
+    return std::bit_cast<T>(bytes);
+  }
+  std::string_view rest_;
+  bool swap_;
 };
 
-struct Header {
-  std::string format;
-  std::vector<Element> elements;
-  std::size_t size = 0;  // bytes up to the first value
-};
+// Of a vertex: where in the element's list of properties x, y, z, nx, ny, nz are; -1 if not there.
+using VertexSlots = std::array<int, 6>;
 
-// The names of types that files use, and the ones that the reader knows in every place.
-const std::map<std::string, std::string, std::less<>> kTypes{
-    {"char", "char"},   {"int8", "char"},     {"uchar", "uchar"},   {"uint8", "uchar"},
-    {"short", "short"}, {"int16", "short"},   {"ushort", "ushort"}, {"uint16", "ushort"},
-    {"int", "int"},     {"int32", "int"},     {"uint", "uint"},     {"uint32", "uint"},
-    {"float", "float"}, {"float32", "float"}, {"double", "double"}, {"float64", "double"}};
-// Lengths of lists: a list that fits in memory is as long read as signed or unsigned.
-const std::map<std::string, std::string, std::less<>> kCountTypes{
-    {"char", "uchar"},   {"uchar", "uchar"}, {"ushort", "uint16"},
-    {"short", "uint16"}, {"int", "int"},     {"uint", "int"}};
-
-std::vector<std::string> Words(std::string_view line) {
-  std::vector<std::string> words;
-  std::istringstream stream{std::string(line)};
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
+int SlotOf(const PlyElement& element, std::string_view name, bool list) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i)
+    if (element.properties[i].name == name && element.properties[i].count_type.has_value() == list)
+      return static_cast<int>(i);
+  return -1;
 }
 
-bool ParseProperty(const std::vector<std::string>& words, Property& property) {
-  const bool list = words.size() == 5 && words[1] == "list";
-  if (!list && words.size() != 3) return false;
-  const auto type = kTypes.find(words[words.size() - 2]);
-  if (type == kTypes.end()) return false;
-  property = {words.back(), type->second, ""};
-  if (!list) return true;
-  const auto count = kTypes.find(words[2]);
-  if (count == kTypes.end() || !kCountTypes.contains(count->second)) return false;
-  property.count_type = kCountTypes.at(count->second);
-  return true;
+int IndexSlot(const PlyElement& element) {
+  const int slot = SlotOf(element, "vertex_indices", true);
+  return slot >= 0 ? slot : SlotOf(element, "vertex_index", true);
 }
 
-// Takes one line of the header; false if it cannot be understood.
-bool ParseLine(const std::vector<std::string>& words, Header& header) {
-  if (words[0] == "comment" || words[0] == "obj_info") return true;
-  if (words[0] == "format" && words.size() == 3 && words[2] == "1.0") {
-    header.format = words[1];
-    return words[1] == "ascii" || words[1] == "binary_little_endian" ||
-           words[1] == "binary_big_endian";
+bool IsFaces(const PlyElement& element) {
+  return element.name == "face" || element.name == "tristrips";
+}
+
+Result<VertexSlots> SlotsOfVertex(const PlyElement& vertex, const std::string& file) {
+  VertexSlots slots{};
+  const std::array<std::string_view, 6> names{"x", "y", "z", "nx", "ny", "nz"};
+  for (std::size_t i = 0; i < names.size(); ++i) slots[i] = SlotOf(vertex, names[i], false);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (slots[i] < 0)
+      return InputError(file + ": the PLY vertices have no property " + std::string(names[i]) +
+                        ", allowed is a single number of any type");
+  if (slots[3] < 0 || slots[4] < 0 || slots[5] < 0) slots[3] = slots[4] = slots[5] = -1;
+  return slots;
+}
+
+Status CheckElements(const PlyHeader& header, const std::string& file) {
+  std::size_t vertices = 0, faces = 0;
+  std::string names;
+  for (const PlyElement& element : header.elements) {
+    vertices += element.name == "vertex" ? 1 : 0;
+    faces += IsFaces(element) ? 1 : 0;
+    if (names.size() < 200) names += (names.empty() ? "" : ", ") + element.name.substr(0, 40);
+    if (IsFaces(element) && IndexSlot(element) < 0)
+      return InputError(file + ": the PLY element " + element.name +
+                        " has no list vertex_indices or vertex_index");
   }
-  if (words[0] == "element" && words.size() == 3) {
-    Element element{words[1], 0, {}};
-    const char* end = words[2].data() + words[2].size();
-    const auto result = std::from_chars(words[2].data(), end, element.count);
-    header.elements.push_back(element);
-    return result.ec == std::errc() && result.ptr == end;
-  }
-  if (words[0] == "property" && !header.elements.empty()) {
-    header.elements.back().properties.emplace_back();
-    return ParseProperty(words, header.elements.back().properties.back());
-  }
-  return false;
-}
-
-Result<Header> ParseHeader(const std::string& bytes, const std::string& file) {
-  Header header;
-  for (std::size_t number = 1;; ++number) {
-    const std::size_t end = bytes.find('\n', header.size);
-    if (end == std::string::npos || end - header.size > 4096)
-      return InputError(file + ": truncated PLY: its header does not end");
-    const std::string_view line = std::string_view(bytes).substr(header.size, end - header.size);
-    header.size = end + 1;
-    const std::vector<std::string> words = Words(line);
-    if (number == 1 && (words.size() != 1 || (words[0] != "ply" && words[0] != "PLY")))
-      return InputError(file + ": not a PLY file: it does not begin with \"ply\"");
-    if (number == 1 || words.empty()) continue;
-    if (words[0] == "end_header") return header;
-    if (!ParseLine(words, header))
-      return InputError(
-          file + ":" + std::to_string(number) + ": \"" + std::string(line.substr(0, 80)) +
-          "\", allowed are format 1.0, element, property, comment and obj_info lines" +
-          " with PLY's types");
-  }
-}
-
-bool HasScalar(const Element& element, std::string_view name) {
-  return std::any_of(element.properties.begin(), element.properties.end(), [&](const Property& p) {
-    return p.name == name && p.count_type.empty() && (p.type == "float" || p.type == "double");
-  });
-}
-
-bool HasNormals(const Element& vertex) {
-  return HasScalar(vertex, "nx") && HasScalar(vertex, "ny") && HasScalar(vertex, "nz");
-}
-
-bool IsList(const Property& property) { return !property.count_type.empty(); }
-
-bool IsIndexList(const Property& property) {
-  return IsList(property) && (property.name == "vertex_index" || property.name == "vertex_indices");
-}
-
-Status CheckHeader(const Header& header, const std::string& bytes, const std::string& file) {
-  if (header.format.empty()) return InputError(file + ": damaged PLY: its header has no format");
-  if (header.elements.size() < 2 || header.elements[0].name != "vertex" ||
-      header.elements[1].name != "face")
-    return InputError(file + ": the PLY elements do not begin with vertex and face: no faces to" +
-                      " read");
-  const Element& vertex = header.elements[0];
-  const Element& face = header.elements[1];
-  for (const char* axis : {"x", "y", "z"})
-    if (!HasScalar(vertex, axis))
-      return InputError(file + ": the PLY vertices have no property " + axis +
-                        " of type float or double");
-  for (const Property& property : vertex.properties)
-    if (IsList(property))
-      return InputError(file + ": PLY list property " + property.name +
-                        " of vertices, allowed are single values");
-  const auto& properties = face.properties;
-  if (properties.empty() || !IsIndexList(properties[0]) ||
-      std::count_if(properties.begin(), properties.end(), IsList) != 1)
-    return InputError(file +
-                      ": the PLY faces have another list than vertex_indices or do not begin" +
-                      " with it, allowed is one list, vertex_indices, and single values after it");
-  for (const Element& element : {vertex, face})
-    if (element.count > bytes.size())
-      return InputError(file + ": truncated PLY: " + std::to_string(element.count) + " elements " +
-                        element.name + " in a file of " + std::to_string(bytes.size()) + " bytes");
+  for (char& c : names) c = c >= ' ' && c <= '~' ? c : '?';
+  if (vertices != 1 || faces == 0)
+    return InputError(file + ": the PLY has no faces to read: its elements are " +
+                      (names.empty() ? "none" : names) +
+                      ", allowed are one vertex, and face or tristrips");
   return {};
 }
 
-// The same file with a header of only what the reader needs to know. Single values that are of no
-// use are named so that it skips them.
-std::string PlainFile(const Header& header, const std::string& bytes) {
-  static const std::vector<std::string> kUsed{"x", "y", "z", "nx", "ny", "nz"};
-  const bool normals = HasNormals(header.elements[0]);
-  std::string text = "ply\nformat " + header.format + " 1.0\n";
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Element& element = header.elements[i];
-    text += "element " + element.name + " " + std::to_string(element.count) + "\n";
-    for (const Property& property : element.properties) {
-      const auto used = std::find(kUsed.begin(), kUsed.end(), property.name);
-      if (IsList(property))
-        text += "property list " + property.count_type + " " + property.type + " vertex_indices\n";
-      else if (i == 0 && used - kUsed.begin() < (normals ? 6 : 3))
-        text += "property " + property.type + " " + property.name + "\n";
-      else
-        text += "property " + property.type + " skipped\n";
-    }
-  }
-  return text + "end_header\n" + bytes.substr(header.size);
-}
-
-// Takes what the reader reports. The half of the interface that is about other things does nothing.
-class Importer : public OpenMesh::IO::BaseImporter {
+template <typename Values>
+class PlyReader {
  public:
-  const PolygonMesh& mesh() const { return mesh_; }
+  PlyReader(const PlyHeader& header, const std::string& file, Values values)
+      : header_(header), file_(file), values_(std::move(values)) {}
 
-  VertexHandle add_vertex() override {
-    mesh_.vertices.emplace_back(0.0, 0.0, 0.0);
-    return VertexHandle(static_cast<int>(mesh_.vertices.size()) - 1);
+  Result<PolygonMesh> Read() {
+    std::size_t needed = 0;
+    for (std::size_t i = 0; i < header_.elements.size(); ++i)
+      if (IsFaces(header_.elements[i]) || header_.elements[i].name == "vertex") needed = i + 1;
+    for (std::size_t i = 0; i < needed; ++i) {
+      const PlyElement& element = header_.elements[i];
+      if (const Status status = CheckRoom(element); !status) return Forward(status);
+      std::size_t done = 0;
+      if (element.name == "vertex") {
+        const auto slots = SlotsOfVertex(element, file_);
+        if (!slots) return Forward(slots);
+        done = Vertices(element, *slots);
+      } else if (IsFaces(element)) {
+        done = Faces(element, static_cast<std::size_t>(IndexSlot(element)));
+      } else {
+        done = Others(element);
+      }
+      if (done < element.count)
+        return InputError(file_ +
+                          ": damaged or truncated PLY: its values end, or cannot be read, after " +
+                          std::to_string(done) + " of " + std::to_string(element.count) +
+                          " elements " + Named(element));
+    }
+    if (has_normals_)
+      for (PolygonMesh::Corner& corner : mesh_.corners) corner.normal = corner.vertex;
+    return std::move(mesh_);
   }
-  VertexHandle add_vertex(const OpenMesh::Vec3f& point) override {
-    const VertexHandle vertex = add_vertex();
-    set_point(vertex, point);
-    return vertex;
-  }
-  void set_point(VertexHandle vertex, const OpenMesh::Vec3f& p) override {
-    mesh_.vertices.at(static_cast<std::size_t>(vertex.idx())) = {p[0], p[1], p[2]};
-  }
-  void set_normal(VertexHandle vertex, const OpenMesh::Vec3f& n) override {
-    mesh_.normals.resize(mesh_.vertices.size());
-    mesh_.normals.at(static_cast<std::size_t>(vertex.idx())) = {n[0], n[1], n[2]};
-  }
-  FaceHandle add_face(const VHandles& vertices) override {
-    for (const VertexHandle vertex : vertices) mesh_.corners.push_back({vertex.idx(), -1});
-    mesh_.ends.push_back(mesh_.corners.size());
-    return FaceHandle(static_cast<int>(mesh_.ends.size()) - 1);
-  }
-  std::size_t n_vertices() const override { return mesh_.vertices.size(); }
-  std::size_t n_faces() const override { return mesh_.ends.size(); }
-  std::size_t n_edges() const override { return 0; }
-
-  HalfedgeHandle add_edge(VertexHandle, VertexHandle) override { return HalfedgeHandle(); }
-  FaceHandle add_face(HalfedgeHandle) override { return FaceHandle(); }
-  void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<OpenMesh::Vec2f>&) override {}
-  void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<OpenMesh::Vec3f>&) override {}
-  void set_face_texindex(FaceHandle, int) override {}
-  void set_halfedge(VertexHandle, HalfedgeHandle) override {}
-  void set_normal(VertexHandle, const OpenMesh::Vec3d&) override {}
-  void set_color(VertexHandle, const OpenMesh::Vec3uc&) override {}
-  void set_color(VertexHandle, const OpenMesh::Vec4uc&) override {}
-  void set_color(VertexHandle, const OpenMesh::Vec3f&) override {}
-  void set_color(VertexHandle, const OpenMesh::Vec4f&) override {}
-  void set_texcoord(VertexHandle, const OpenMesh::Vec2f&) override {}
-  void set_status(VertexHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void set_next(HalfedgeHandle, HalfedgeHandle) override {}
-  void set_face(HalfedgeHandle, FaceHandle) override {}
-  void request_face_texcoords2D() override {}
-  void set_texcoord(HalfedgeHandle, const OpenMesh::Vec2f&) override {}
-  void set_texcoord(VertexHandle, const OpenMesh::Vec3f&) override {}
-  void set_texcoord(HalfedgeHandle, const OpenMesh::Vec3f&) override {}
-  void set_status(HalfedgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec3uc&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec4uc&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec3f&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec4f&) override {}
-  void set_status(OpenMesh::EdgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void set_normal(FaceHandle, const OpenMesh::Vec3f&) override {}
-  void set_normal(FaceHandle, const OpenMesh::Vec3d&) override {}
-  void set_color(FaceHandle, const OpenMesh::Vec3uc&) override {}
-  void set_color(FaceHandle, const OpenMesh::Vec4uc&) override {}
-  void set_color(FaceHandle, const OpenMesh::Vec3f&) override {}
-  void set_color(FaceHandle, const OpenMesh::Vec4f&) override {}
-  void set_status(FaceHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void add_texture_information(int, std::string) override {}
 
  private:
+  static std::string Named(const PlyElement& element) {
+    std::string name = element.name.substr(0, 40);
+    for (char& c : name) c = c >= ' ' && c <= '~' ? c : '?';
+    return name;
+  }
+
+  // Every element takes at least its single values and the lengths of its lists.
+  Status CheckRoom(const PlyElement& element) const {
+    double bytes = 0.0;
+    for (const PlyProperty& property : element.properties)
+      bytes += Values::BytesOf(property.count_type.value_or(property.type));
+    if (static_cast<double>(element.count) * bytes <= values_.Left()) return {};
+    return InputError(file_ + ": truncated PLY: " + std::to_string(element.count) + " elements " +
+                      Named(element) + " do not fit in the file");
+  }
+
+  bool SkipProperty(const PlyProperty& property) {
+    if (!property.count_type) return values_.Skip(property.type, 1);
+    std::size_t length = 0;
+    return Length(property, length) && values_.Skip(property.type, length);
+  }
+  // The length of a list; a signed one that seems negative was written as unsigned.
+  bool Length(const PlyProperty& property, std::size_t& length) {
+    double value = 0.0;
+    if (!values_.Take(*property.count_type, value)) return false;
+    if (value < 0.0) value += std::exp2(8.0 * static_cast<double>(SizeOf(*property.count_type)));
+    if (!(value >= 0.0) || value != std::floor(value) ||
+        value * Values::BytesOf(property.type) > values_.Left())
+      return false;
+    length = static_cast<std::size_t>(value);
+    return true;
+  }
+
+  // Each returns how many elements could be read.
+  std::size_t Others(const PlyElement& element) {
+    if (element.properties.empty()) return element.count;
+    for (std::size_t i = 0; i < element.count; ++i)
+      for (const PlyProperty& property : element.properties)
+        if (!SkipProperty(property)) return i;
+    return element.count;
+  }
+
+  std::size_t Vertices(const PlyElement& element, const VertexSlots& slots) {
+    has_normals_ = slots[3] >= 0;
+    mesh_.single_precision = std::all_of(slots.begin(), slots.begin() + 3, [&](int slot) {
+      return element.properties[static_cast<std::size_t>(slot)].type == PlyType::kFloat;
+    });
+    std::vector<int> part(element.properties.size(), -1);  // of a vertex, by property
+    for (std::size_t k = 0; k < slots.size(); ++k)
+      if (slots[k] >= 0) part[static_cast<std::size_t>(slots[k])] = static_cast<int>(k);
+    mesh_.vertices.reserve(element.count);
+    if (has_normals_) mesh_.normals.reserve(element.count);
+    for (std::size_t i = 0; i < element.count; ++i) {
+      std::array<double, 6> v{};
+      for (std::size_t p = 0; p < part.size(); ++p) {
+        const bool ours = part[p] >= 0;
+        if (ours ? !values_.Take(element.properties[p].type, v[static_cast<std::size_t>(part[p])])
+                 : !SkipProperty(element.properties[p]))
+          return i;
+      }
+      mesh_.vertices.emplace_back(v[0], v[1], v[2]);
+      if (has_normals_) mesh_.normals.emplace_back(v[3], v[4], v[5]);
+    }
+    return element.count;
+  }
+
+  std::size_t Faces(const PlyElement& element, std::size_t index_slot) {
+    const bool strips = element.name == "tristrips";
+    mesh_.ends.reserve(mesh_.ends.size() + (strips ? 0 : element.count));
+    for (std::size_t i = 0; i < element.count; ++i)
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        if (p != index_slot ? !SkipProperty(property)
+                            : !(strips ? Strip(property) : Polygon(property)))
+          return i;
+      }
+    return element.count;
+  }
+
+  bool Polygon(const PlyProperty& property) {
+    std::size_t length = 0;
+    if (!Length(property, length)) return false;
+    for (std::size_t i = 0; i < length; ++i) {
+      double index = 0.0;
+      if (!values_.Take(property.type, index)) return false;
+      mesh_.corners.push_back({KeptIndex(index), -1});
+    }
+    mesh_.ends.push_back(mesh_.corners.size());
+    return true;
+  }
+
+  // Triangles that each share an edge with the next, wound in turns; -1 begins a new strip. Those
+  // that name a vertex twice are how strips are joined.
+  bool Strip(const PlyProperty& property) {
+    std::size_t length = 0;
+    if (!Length(property, length)) return false;
+    std::array<std::int32_t, 3> last{};
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < length; ++i) {
+      double index = 0.0;
+      if (!values_.Take(property.type, index)) return false;
+      if (index == kStripEnd || index == kUnsignedStripEnd) {
+        seen = 0;
+        continue;
+      }
+      last = {last[1], last[2], KeptIndex(index)};
+      if (++seen < 3 || last[0] == last[1] || last[1] == last[2] || last[2] == last[0]) continue;
+      const bool turned = seen % 2 == 0;
+      mesh_.corners.push_back({last[turned ? 1 : 0], -1});
+      mesh_.corners.push_back({last[turned ? 0 : 1], -1});
+      mesh_.corners.push_back({last[2], -1});
+      mesh_.ends.push_back(mesh_.corners.size());
+    }
+    return true;
+  }
+
+  const PlyHeader& header_;
+  const std::string& file_;
+  Values values_;
   PolygonMesh mesh_;
+  bool has_normals_ = false;
 };
+
+// Whether floats would lose something of the mesh: it is small and far from the origin.
+bool IsCoarseInFloat(const PolygonMesh& mesh) {
+  constexpr double kVisible = 1e-6;  // of the mesh's extent
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(HUGE_VAL), high = -low;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    if (!vertex.allFinite()) continue;
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const double far = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  return std::numeric_limits<float>::epsilon() * far > kVisible * (high - low).maxCoeff();
+}
+
+// A call of its own: from -O2 on, the vectoriser of g++ 12 drops the rounding of (double)(float)x.
+[[gnu::noinline]] float SingleOf(double value) { return static_cast<float>(value); }
+
+void RoundToFloat(std::vector<Eigen::Vector3d>& values) {
+  for (Eigen::Vector3d& v : values) v = {SingleOf(v.x()), SingleOf(v.y()), SingleOf(v.z())};
+}
+
+// Text can say more than the type that it is declared as. It is taken at its type, as other
+// programs do, unless that would spoil the mesh.
+void TakeDeclaredPrecision(PolygonMesh& mesh) {
+  if (!mesh.single_precision || IsCoarseInFloat(mesh)) {
+    mesh.single_precision = false;
+    return;
+  }
+  RoundToFloat(mesh.vertices);
+  RoundToFloat(mesh.normals);
+}
 
 }  // namespace
 
 Result<PolygonMesh> ReadPly(const std::string& bytes, const std::string& file) {
-  const auto header = ParseHeader(bytes, file);
+  const auto header = ReadPlyHeader(bytes, file);
   if (!header) return Forward(header);
-  if (const Status status = CheckHeader(*header, bytes, file); !status) return Forward(status);
-  Importer importer;
-  bool read = false;
-  try {
-    static std::mutex one_reader;
-    const std::lock_guard lock(one_reader);
-    omerr().disable();
-    omlog().disable();
-    std::istringstream stream(PlainFile(*header, bytes));
-    stream.imbue(std::locale::classic());
-    stream.exceptions(std::ios::failbit | std::ios::badbit);
-    OpenMesh::IO::Options options = OpenMesh::IO::Options::VertexNormal;
-    read = OpenMesh::IO::PLYReader().read(stream, importer, options);
-  } catch (const std::ios_base::failure&) {
-    read = false;
+  if (const Status status = CheckElements(*header, file); !status) return Forward(status);
+  const std::string_view rest = std::string_view(bytes).substr(header->size);
+  if (header->format == PlyFormat::kAscii) {
+    auto mesh = PlyReader<TextValues>(*header, file, TextValues(rest)).Read();
+    if (mesh) TakeDeclaredPrecision(*mesh);
+    return mesh;
   }
-  if (!read || importer.n_vertices() != header->elements[0].count ||
-      importer.n_faces() != header->elements[1].count)
-    return InputError(
-        file + ": damaged or truncated PLY: its values end, or cannot be read, after " +
-        std::to_string(importer.n_vertices()) + " of " + std::to_string(header->elements[0].count) +
-        " vertices and " + std::to_string(importer.n_faces()) + " of " +
-        std::to_string(header->elements[1].count) + " faces");
-  PolygonMesh mesh = importer.mesh();
-  if (!mesh.normals.empty())
-    for (PolygonMesh::Corner& corner : mesh.corners) corner.normal = corner.vertex;
-  return mesh;
+  const bool big = header->format == PlyFormat::kBigEndian;
+  return PlyReader<BinaryValues>(*header, file, BinaryValues(rest, big)).Read();
 }
 
 }  // namespace turnlight::rig

@@ -94,13 +94,13 @@ Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame) {
   }
 }
 
-Result<calib::TargetShape> ReadTarget(const Session& session) {
+Result<calib::TargetShape> ReadTarget(const Session& session, std::vector<std::string>* remarks) {
   if (const auto* sphere = std::get_if<calib::SphereShape>(&session.target)) return *sphere;
   if (const auto* plane = std::get_if<calib::PlaneShape>(&session.target)) return *plane;
   const std::string& path = std::get<MeshFile>(session.target).path;
   const auto file = Locate(session.root, {"target/path", path});
   if (!file) return Forward(file);
-  auto mesh = ReadMesh(*file);
+  auto mesh = ReadMesh(*file, remarks);
   if (!mesh) return Forward(mesh);
   return std::move(*mesh);
 }

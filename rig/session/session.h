@@ -81,8 +81,10 @@ Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame);
 // "frame 3 (30.0 deg)", or "closure frame (360.0 deg)", as messages about a frame begin.
 std::string FrameLabel(std::size_t index, std::optional<double> angle_deg, bool closure = false);
 
-// The target's shape; reads the mesh if there is one.
-Result<calib::TargetShape> ReadTarget(const Session& session);
+// The target's shape; reads the mesh if there is one. What had to be mended in it is appended to
+// remarks, if that is given.
+Result<calib::TargetShape> ReadTarget(const Session& session,
+                                      std::vector<std::string>* remarks = nullptr);
 
 // What `turnlight verify` says: everything that is wrong with the session, one line each; empty
 // when all is well. Reads every file, and goes on after a bad frame. A folder without session.json

@@ -9,6 +9,8 @@ namespace {
 
 using Triangle = std::array<int, 3>;
 
+constexpr std::size_t kMaxClipped = 256;  // corners
+
 // Newell's normal: twice the area, along the normal.
 Eigen::Vector3d AreaVector(const std::vector<Eigen::Vector3d>& corners) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -24,6 +26,21 @@ double Turn(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& 
   return (corners[static_cast<std::size_t>(b)] - origin)
       .cross(corners[static_cast<std::size_t>(c)] - origin)
       .dot(normal);
+}
+
+// Whether two sides that are not neighbours cross, as seen along the normal.
+bool CrossesItself(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& normal) {
+  const int count = static_cast<int>(corners.size());
+  const auto apart = [&](int a, int b, int c, int d) {
+    const double left = Turn(corners, normal, a, b, c), right = Turn(corners, normal, a, b, d);
+    return (left > 0.0 && right < 0.0) || (left < 0.0 && right > 0.0);
+  };
+  for (int a = 0; a < count; ++a)
+    for (int c = a + 2; c < count; ++c) {
+      const int b = a + 1, d = (c + 1) % count;
+      if (d != a && apart(a, b, c, d) && apart(c, d, a, b)) return true;
+    }
+  return false;
 }
 
 // Whether the corner at `at` of the remaining ring can be cut off: it turns inwards and no other
@@ -72,7 +89,9 @@ std::vector<Triangle> Triangulate(const std::vector<Eigen::Vector3d>& corners) {
     covers = covers && (turn > 0.0 || (turn == 0.0 && !normal.isZero(0.0)) || corners.size() == 3);
   }
   if (covers) return fan;
-  return normal.isZero(0.0) ? std::vector<Triangle>() : ClipEars(corners, normal);
+  if (normal.isZero(0.0) || corners.size() > kMaxClipped || CrossesItself(corners, normal))
+    return {};
+  return ClipEars(corners, normal);
 }
 
 }  // namespace turnlight::rig

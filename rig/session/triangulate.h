@@ -9,8 +9,8 @@ namespace turnlight::rig {
 
 // Triangles that cover a simple, nearly flat polygon of 3 or more corners, as positions in the list
 // of corners, with the polygon's winding: a fan from corner 0 where that covers it, otherwise ear
-// clipping, which takes time with the cube of the corners. Empty if there are none: the polygon has
-// no area, or crosses itself in a way that leaves no ear (not every crossing does).
+// clipping, which takes time with the cube of the corners and is for polygons of up to 256. Empty
+// if there are none: the polygon has no area, crosses itself, or has too many corners.
 std::vector<std::array<int, 3>> Triangulate(const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace turnlight::rig

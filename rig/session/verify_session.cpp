@@ -137,7 +137,7 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
   VerifyReport report;
   report.problems = std::move(parsed->problems);
   if (!session.camera) return report;  // its size is what every frame is checked against
-  const auto target = ReadTarget(session);
+  const auto target = ReadTarget(session, &report.remarks);
   if (!target) report.problems.push_back(target.error().text);
   if (const auto calibration = ReadSessionCalibration(session); !calibration)
     report.problems.push_back(calibration.error().text);

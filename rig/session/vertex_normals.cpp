@@ -5,9 +5,11 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "base/angles.h"
+#include "rig/session/mesh_edges.h"
 
 namespace turnlight::rig {
 namespace {
@@ -21,27 +23,6 @@ struct Corner {
   int slot = 0;  // 0, 1 or 2
 };
 
-// For each vertex the lowest index of a vertex at the same place.
-std::vector<int> Weld(const std::vector<Eigen::Vector3d>& vertices) {
-  std::vector<int> order(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto at = [&](int i) -> const Eigen::Vector3d& {
-    return vertices[static_cast<std::size_t>(i)];
-  };
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    for (int axis = 0; axis < 3; ++axis)
-      if (at(a)[axis] != at(b)[axis]) return at(a)[axis] < at(b)[axis];
-    return a < b;
-  });
-  std::vector<int> place(vertices.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && at(order[i]) == at(order[i - 1]);
-    place[static_cast<std::size_t>(order[i])] =
-        same ? place[static_cast<std::size_t>(order[i - 1])] : order[i];
-  }
-  return place;
-}
-
 // The smallest member of i's group. parent[i] <= i always.
 std::size_t Root(std::vector<std::size_t>& parent, std::size_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -52,18 +33,28 @@ class Smoother {
  public:
   Smoother(std::vector<Eigen::Vector3d> vertices, std::vector<Eigen::Vector3i> faces)
       : place_(Weld(vertices)), shape_{std::move(vertices), {}, std::move(faces)} {
+    face_normals_.reserve(shape_.faces.size());
     for (const Eigen::Vector3i& face : shape_.faces)
       face_normals_.push_back(FaceAreaVector(shape_.vertices, face).stableNormalized());
   }
 
   calib::MeshShape Run() {
     shape_.normals.assign(shape_.vertices.size(), Eigen::Vector3d::UnitZ());
-    std::vector<std::vector<Corner>> around(shape_.vertices.size());
-    for (std::size_t f = 0; f < shape_.faces.size(); ++f)
-      for (int slot = 0; slot < 3 && !face_normals_[f].isZero(); ++slot)
-        around[static_cast<std::size_t>(place_[VertexOf(f, slot)])].push_back(
-            {static_cast<int>(f), slot});
-    for (const std::vector<Corner>& corners : around) Smooth(corners);
+    // The corners at each place, in the order of their faces: those of place p begin at start[p].
+    std::vector<std::size_t> start(shape_.vertices.size() + 2, 0);
+    const auto for_each_corner = [&](const auto& visit) {
+      for (std::size_t f = 0; f < shape_.faces.size(); ++f)
+        for (int slot = 0; slot < 3 && !face_normals_[f].isZero(); ++slot)
+          visit(static_cast<std::size_t>(place_[VertexOf(f, slot)]),
+                Corner{static_cast<int>(f), slot});
+    };
+    for_each_corner([&](std::size_t place, const Corner&) { ++start[place + 2]; });
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<Corner> corners(start.back());
+    for_each_corner(
+        [&](std::size_t place, const Corner& corner) { corners[start[place + 1]++] = corner; });
+    for (std::size_t place = 0; place + 2 < start.size(); ++place)
+      Smooth({corners.data() + start[place], start[place + 1] - start[place]});
     return std::move(shape_);
   }
 
@@ -76,14 +67,16 @@ class Smoother {
   }
 
   // Groups of corners that share a normal, as the smallest index of each one's group.
-  std::vector<std::size_t> Groups(const std::vector<Corner>& corners) const {
-    std::vector<std::pair<int, std::size_t>> edges;  // the place at the other end, the corner
+  const std::vector<std::size_t>& Groups(std::span<const Corner> corners) {
+    std::vector<std::pair<int, std::size_t>>& edges = edges_;
+    edges.clear();
     for (std::size_t i = 0; i < corners.size(); ++i)
       for (const int next : {1, 2})
         edges.emplace_back(
             place_[VertexOf(static_cast<std::size_t>(corners[i].face), corners[i].slot + next)], i);
     std::sort(edges.begin(), edges.end());
-    std::vector<std::size_t> parent(corners.size());
+    std::vector<std::size_t>& parent = parent_;
+    parent.resize(corners.size());
     std::iota(parent.begin(), parent.end(), std::size_t{0});
     const double cosine = std::cos(DegToRad(kCreaseDeg)) - kCosineSlack;
     for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
@@ -111,25 +104,39 @@ class Smoother {
   }
 
   // Gives the corners at one place their normals, splitting vertices.
-  void Smooth(const std::vector<Corner>& corners) {
-    const std::vector<std::size_t> group = Groups(corners);
-    std::vector<Eigen::Vector3d> sums(corners.size(), Eigen::Vector3d::Zero());
+  void Smooth(std::span<const Corner> corners) {
+    if (corners.empty()) return;
+    const std::vector<std::size_t>& group = Groups(corners);
+    sums_.assign(corners.size(), Eigen::Vector3d::Zero());
     for (std::size_t i = 0; i < corners.size(); ++i)
-      sums[group[i]] += AngleAt(corners[i]) * NormalOf(corners[i]);
+      sums_[group[i]] += AngleAt(corners[i]) * NormalOf(corners[i]);
+    const int first = IndexAt(corners[0]);
+    if (std::all_of(corners.begin(), corners.end(),
+                    [&](const Corner& c) { return IndexAt(c) == first; }) &&
+        std::all_of(group.begin(), group.end(), [](std::size_t g) { return g == 0; })) {
+      shape_.normals[static_cast<std::size_t>(first)] = MeanOf(0, corners[0]);
+      return;
+    }
     std::map<std::pair<int, std::size_t>, int> indices;  // (vertex, group) -> index
     std::map<int, bool> taken;                           // vertices whose first group is named
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      int& vertex = shape_.faces[static_cast<std::size_t>(corners[i].face)][corners[i].slot];
+      int& vertex = IndexAt(corners[i]);
       const auto [entry, is_new] = indices.try_emplace({vertex, group[i]}, vertex);
       if (is_new) {
         if (!taken.try_emplace(vertex, true).second) entry->second = Split(vertex);
-        Eigen::Vector3d normal = sums[group[i]].stableNormalized();
-        // A ring of faces can turn all the way round; any normal of it then serves as well.
-        if (normal.isZero()) normal = NormalOf(corners[i]);
-        shape_.normals[static_cast<std::size_t>(entry->second)] = normal;
+        shape_.normals[static_cast<std::size_t>(entry->second)] = MeanOf(group[i], corners[i]);
       }
       vertex = entry->second;
     }
+  }
+
+  int& IndexAt(const Corner& corner) {
+    return shape_.faces[static_cast<std::size_t>(corner.face)][corner.slot];
+  }
+  // A ring of faces can turn all the way round; any normal of it then serves as well.
+  Eigen::Vector3d MeanOf(std::size_t group, const Corner& corner) const {
+    const Eigen::Vector3d normal = sums_[group].stableNormalized();
+    return normal.isZero() ? NormalOf(corner) : normal;
   }
 
   int Split(int vertex) {
@@ -143,6 +150,10 @@ class Smoother {
   std::vector<int> place_;
   calib::MeshShape shape_;
   std::vector<Eigen::Vector3d> face_normals_;  // unit; zero for a face without area
+  // Of the place at hand:
+  std::vector<std::pair<int, std::size_t>> edges_;  // the place at the other end, the corner
+  std::vector<std::size_t> parent_;
+  std::vector<Eigen::Vector3d> sums_;
 };
 
 }  // namespace

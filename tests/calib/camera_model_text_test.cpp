@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <tuple>
 
 #include "base/file.h"
 #include "calib/camera_model.h"
@@ -77,6 +78,50 @@ TEST(CameraModelText, AgreesWithMrcalsReader) {
   EXPECT_EQ(camera->width(), static_cast<int>(read->imagersize[0]));
   EXPECT_EQ(camera->height(), static_cast<int>(read->imagersize[1]));
   mrcal_free_cameramodel(&read);
+}
+
+std::string LensModelOf(const std::string& text) {
+  const auto camera = CameraModel::FromString(text, "lens.cameramodel");
+  return camera ? camera->lens_model() : camera.error().text;
+}
+
+// Files as other versions of mrcal write them.
+TEST(CameraModelText, CasesAreRead) {
+  const auto folder = std::filesystem::path(TURNLIGHT_SOURCE_DIR) / "tests/calib/cases";
+  for (const auto& [file, lens, count] :
+       {std::tuple("old_key.cameramodel", "LENSMODEL_PINHOLE", 4u),
+        {"pose_named_rt_cam_ref.cameramodel", "LENSMODEL_OPENCV4", 8u}}) {
+    const auto camera = CameraModel::FromFile(folder / file);
+    ASSERT_TRUE(camera) << camera.error().text;
+    EXPECT_EQ(camera->lens_model(), lens);
+    EXPECT_EQ(camera->intrinsics().size(), count);
+    EXPECT_EQ(camera->width(), 640);
+  }
+}
+
+// What mrcal called things before, and what it calls them since 2.5.
+TEST(CameraModelText, NamesOfOtherVersions) {
+  const std::string model = "'lensmodel':  'LENSMODEL_PINHOLE'";
+  for (const char* text :
+       {"'distortion_model': 'DISTORTION_NONE'", "'lens_model': 'LENSMODEL_PINHOLE'",
+        "'lensmodel': 'DISTORTION_PINHOLE'", "'lensmodel': 'LENSMODEL_NONE'",
+        "'lens_model': 'unknown', 'distortion_model': 'DISTORTION_NONE'",
+        "'distortion_model': 'unknown', 'lensmodel': 'LENSMODEL_PINHOLE'"})
+    EXPECT_EQ(LensModelOf(Replaced(model, text)), "LENSMODEL_PINHOLE") << text;
+  EXPECT_EQ(LensModelOf(Replaced(model + ",\n    'extrinsics': [ 0, 0, 0, 0, 0, 0 ],\n    "
+                                         "'intrinsics': [ 520.5, 521, 159.5, 119.5 ]",
+                                 "'rt_cam_ref': [ 0.1, 0.2, 0.3, 10, 20, 30 ],\n"
+                                 "'distortion_model': 'DISTORTION_OPENCV4',\n"
+                                 "'intrinsics': [ 900, 901, 320, 240, -0.1, 0.02, 0.0005, 0 ]")),
+            "LENSMODEL_OPENCV4");
+  EXPECT_EQ(LensModelOf(Replaced("'imagersize'", "'rt_cam_ref': [0, 0, 0, 0, 0, 1], 'imagersize'")),
+            "LENSMODEL_PINHOLE");
+  EXPECT_THAT(ErrorOf(Replaced("extrinsics': [ 0, ", "rt_cam_ref': [ ")),
+              HasSubstr("'rt_cam_ref': 5 numbers"));
+  EXPECT_THAT(ErrorOf(Replaced(model, "'distortion_model': 'DISTORTION_FISH'")),
+              AllOf(HasSubstr("'lensmodel'"), HasSubstr("'LENSMODEL_FISH'")));
+  EXPECT_THAT(ErrorOf(Replaced(model, "'lens_model': 'a', 'lens_model': 'a'")),
+              AllOf(HasSubstr("'lens_model'"), HasSubstr("more than once")));
 }
 
 TEST(CameraModelText, UnknownLensNamesTheAllowedOnes) {

@@ -10,7 +10,10 @@
 #include <chrono>
 #include <vector>
 
+#include "base/file.h"
 #include "estimator/results/result_json.h"
+#include "rig/session/mesh_file.h"
+#include "rig/sim/blob.h"
 #include "rig/sim/synthetic_session.h"
 #include "tests/temporary_folder.h"
 
@@ -67,6 +70,37 @@ TEST_F(FromSession, GivesWhatItsFramesGive) {
   ASSERT_TRUE(same) << same.error().text;
   EXPECT_EQ(Json(estimate->output.estimate), Json(same->estimate));
   EXPECT_FALSE(estimate->output.estimate.lights.empty());
+}
+
+// A lump whose mesh was turned inside out, and then cut open as well.
+TEST_F(FromSession, AMeshWoundInwardsIsMendedOrTheCause) {
+  const TemporaryFolder folder;
+  const std::filesystem::path root = folder.path() / "s", file = root / "target.ply";
+  rig::sim::SyntheticConfig config;
+  config.motion.frames = 3;
+  config.camera = {96, 72, 168.0, {}};
+  config.target = rig::sim::Blob{.segments = 24};
+  ASSERT_TRUE(rig::sim::WriteSynthetic(config, root));
+  auto mesh = rig::ReadMesh(file);
+  ASSERT_TRUE(mesh) << mesh.error().text;
+  const auto clean = EstimateSession(root);
+  ASSERT_TRUE(clean) << clean.error().text;
+  for (Eigen::Vector3i& face : mesh->faces) std::swap(face[1], face[2]);
+  ASSERT_TRUE(WriteFileAtomic(file, rig::sim::MeshToPly(*mesh)));
+  const auto mended = EstimateSession(root);
+  ASSERT_TRUE(mended) << mended.error().text;
+  EXPECT_EQ(mended->output.estimate.rms, clean->output.estimate.rms);
+  ASSERT_FALSE(mended->output.estimate.notes.empty());
+  EXPECT_EQ(mended->output.estimate.notes.back().code, "mesh-repaired");
+  EXPECT_THAT(mended->output.estimate.notes.back().text, HasSubstr("were wound inwards"));
+
+  for (Eigen::Vector3d& normal : mesh->normals) normal = -normal;
+  mesh->faces.resize(mesh->faces.size() * 3 / 4);
+  ASSERT_TRUE(WriteFileAtomic(file, rig::sim::MeshToPly(*mesh)));
+  const auto refused = EstimateSession(root);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().text, testing::AllOf(HasSubstr("its winding is inside out"),
+                                                   testing::Not(HasSubstr("check the poses"))));
 }
 
 TEST_F(FromSession, ViewsAreSpreadOverTheFrames) {

@@ -43,6 +43,8 @@ TEST(CheckUsable, SaysWhyTheOthersAreNot) {
   const Observations few = RandomObservations(10, 3, 1).observations;
   const auto why = [&](const FlagCounts& counts) { return RefusalOf(CheckUsable(few, &counts)); };
   EXPECT_THAT(why({}), HasSubstr("No pixel shows the target: check the poses"));
+  EXPECT_THAT(why({.on_target = 100, .edge = 90, .rays = 50, .from_behind = 26}),
+              HasSubstr("its winding is inside out"));
   EXPECT_THAT(why({.on_target = 100, .saturated = 51, .edge = 49}),
               HasSubstr("51 of 100 target pixels are clipped: lower the exposure"));
   EXPECT_THAT(why({.on_target = 100, .saturated = 50, .lost = 60}),

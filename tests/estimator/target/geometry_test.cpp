@@ -89,6 +89,29 @@ TEST(Geometry, AMeshIsMetInDoublePrecisionWhereverItStands) {
   }
 }
 
+// As a survey gives it: coordinates of millions about a target of 2, no more lost than a double
+// must.
+TEST(Geometry, AMeshAtMapCoordinatesIsMetWithoutLoss) {
+  const Vector3d place(482311.25, 5407899.75, 310.5);
+  calib::MeshShape shape = FloorAndWall();
+  for (Vector3d& vertex : shape.vertices) vertex = place + 0.02 * vertex;
+  const Geometry mesh{calib::TargetShape(shape)};
+  EXPECT_EQ(mesh.center().z(), place.z() + 0.1);
+  const RandomStream random(3, 2);
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const Vector3d point = place + Vector3d(random.Uniform(2 * i, -0.98, 0.98),
+                                            random.Uniform(2 * i + 1, -0.98, 0.3), 0);
+    const Vector3d eye = point + Vector3d(1, -3, 10);
+    const auto hit = mesh.Intersect(eye, point - eye);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_LT((hit->position - point).norm(), 1e-8);
+    EXPECT_EQ(hit->position.z(), place.z());
+    EXPECT_FALSE(mesh.MeetsBack(eye, point - eye));
+  }
+  EXPECT_TRUE(mesh.MeetsBack(place - Vector3d::UnitZ(), Vector3d::UnitZ()));
+  EXPECT_FALSE(mesh.MeetsBack(place - Vector3d::UnitZ(), -Vector3d::UnitZ()));
+}
+
 TEST(Geometry, InterpolatesTheNormalsOfAMesh) {
   calib::MeshShape shape;
   shape.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

@@ -206,6 +206,20 @@ TEST_F(SessionFilesTest, MeshIsReadAndItsFaultsAreTold) {
   EXPECT_NE(VerifySession(root()).value().content_sha256, hash);
 }
 
+// A tetrahedron that is wound inwards, and a vertex to spare.
+TEST_F(SessionFilesTest, WhatWasMendedInAMeshIsARemark) {
+  json_["target"] = {{"shape", "mesh"}, {"path", "target.obj"}};
+  Put("target.obj",
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
+  WriteJson();
+  const auto report = VerifySession(root());
+  ASSERT_TRUE(report);
+  EXPECT_THAT(report->problems, testing::IsEmpty());
+  EXPECT_THAT(report->remarks,
+              testing::IsSupersetOf({HasSubstr("target.obj: all 4 faces were wound inwards"),
+                                     HasSubstr("target.obj: 1 vertex that no face names")}));
+}
+
 TEST_F(SessionFilesTest, VerifyListsEveryProblem) {
   fs::remove(root() / "frames/000.png");
   Put("frames/001.png", "not a picture");
