@@ -50,10 +50,10 @@ class ObservationsBuilder {
   std::size_t keyframes_, most_, usable_ = 0, used_ = 0;
   bool weighted_ = true;
   Observations out_;
-  std::vector<std::size_t> begin_;                 // of each keyframe that came, then the end
-  std::vector<std::size_t> count_;                 // of its pixels
-  std::array<std::vector<double>, 3> position_;    // in W, until the centroid is known
-  std::vector<float> footprint_size_;              // |dw/du| + |dw/dv|
+  std::vector<std::size_t> begin_;               // of each keyframe that came, then the end
+  std::vector<std::size_t> count_;               // of its pixels
+  std::array<std::vector<double>, 3> position_;  // in W, until the centroid is known
+  std::vector<float> footprint_size_;            // |dw/du| + |dw/dv|
 };
 
 }  // namespace turnlight::estimator::observe

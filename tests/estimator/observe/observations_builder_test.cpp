@@ -52,8 +52,8 @@ TEST(ObservationsBuilder, KeepsWholeBlocksOfWhatThereIs) {
     const auto& [keyframe, pixel] = at;
     const auto found = kept.find(at);
     ASSERT_EQ(found != kept.end(),
-              some.blocks.Keeps(static_cast<std::uint32_t>(keyframe),
-                                static_cast<int>(pixel) % 64, static_cast<int>(pixel) / 64));
+              some.blocks.Keeps(static_cast<std::uint32_t>(keyframe), static_cast<int>(pixel) % 64,
+                                static_cast<int>(pixel) / 64));
     if (found == kept.end()) continue;
     const std::size_t i = found->second, j = in_whole;
     EXPECT_EQ(At(some.normal, i), At(whole.normal, j));
