@@ -30,7 +30,7 @@ void AddOut(CLI::App& command, std::string& out, const std::string& description)
 void AddPixels(CLI::App& command, std::optional<std::size_t>& pixels) {
   command
       .add_option("--pixels", pixels,
-                  "Hold at most N of the target's pixels in memory, evenly chosen (default 20 "
+                  "Hold at most N of the target's pixels in memory, evenly chosen (default 16 "
                   "million); fewer take less memory and time")
       ->type_name("N")
       ->check(CLI::Range(estimator::from_session::kFewestPixels,

@@ -1,11 +1,13 @@
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/session_estimate.h"
+#include "estimator/memory_need.h"
 #include "estimator/results/model_option.h"
 #include "estimator/results/words.h"
 
@@ -18,6 +20,8 @@ struct EstimateArguments {
   WriteOptions options;
   std::string method = estimator::results::WordOf(estimator::results::Method::kLeastSquares);
   std::vector<std::string> model;
+  std::optional<std::size_t> pixels;
+  std::string max_memory;
   bool no_pictures = false;
   bool json = false;
 };
@@ -27,6 +31,12 @@ int EstimateAndPrint(const EstimateArguments& arguments) {
   options.estimate.method =
       *estimator::results::ValueOf<estimator::results::Method>(arguments.method);
   options.pictures = !arguments.no_pictures;
+  if (arguments.pixels) options.estimate.most_pixels = *arguments.pixels;
+  if (!arguments.max_memory.empty()) {
+    const auto bytes = estimator::BytesOf(arguments.max_memory);
+    if (!bytes) return Fail(bytes.error());
+    options.estimate.max_memory = *bytes;
+  }
   for (const std::string& option : arguments.model)
     if (const Status status = estimator::results::ApplyModelOption(option, options.estimate.model);
         !status)
@@ -64,6 +74,12 @@ void AddEstimate(CLI::App& program, Action& action) {
                    "Use N frames spread over the session's F: frames floor(i F / N)")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
+  AddPixels(*command, arguments->pixels);
+  command
+      ->add_option("--max-memory", arguments->max_memory,
+                   "Refuse beforehand what would need more than that, and say what would fit, such "
+                   "as 4GB or 800MB; changes no result")
+      ->type_name("SIZE");
   command
       ->add_option("--initial", arguments->options.initial,
                    "Start from the lights of a truth.json or result.json")

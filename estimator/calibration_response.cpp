@@ -72,7 +72,8 @@ Result<solve::Prediction> Radiances(const Fit& fit, const MovedCalibration& move
         out[c][i] = static_cast<float>(fit.level) * value[c];
     }
   };
-  const std::size_t at_a_time = observe::KeyframesInFlight(fit.view.rays);
+  const std::size_t at_a_time = observe::KeyframesInFlight(
+      static_cast<std::size_t>(fit.view.rays.width()) * fit.view.rays.height());
   for (std::size_t first = 0; first < of_keyframe.size(); first += at_a_time)
     ParallelFor(std::min(at_a_time, of_keyframe.size() - first),
                 [&](std::size_t i) { take(first + i); });

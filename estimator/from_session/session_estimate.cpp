@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "base/format.h"
 #include "base/stopwatch.h"
@@ -13,6 +14,7 @@
 #include "estimator/from_session/calibration_errors.h"
 #include "estimator/from_session/frame_doubts.h"
 #include "estimator/residual_maps.h"
+#include "estimator/memory_need.h"
 #include "rig/session_calibration.h"
 
 namespace turnlight::estimator::from_session {
@@ -114,6 +116,24 @@ Status CheckOptions(const Options& options) {
   return {};
 }
 
+// Whether the estimate would fit into what it may take.
+Status CheckFits(const rig::Session& session, const model::KeyframeSource& keyframes,
+                 const target::Geometry& geometry, const Options& options) {
+  if (!options.max_memory) return {};
+  MemoryInputs inputs;
+  const calib::CameraModel& camera = *session.camera;
+  inputs.picture_pixels = static_cast<std::size_t>(camera.width()) * camera.height();
+  inputs.keyframes = keyframes.size();
+  inputs.target_pixels = TargetPixels(keyframes, geometry, camera);
+  inputs.most_pixels = options.most_pixels;
+  inputs.casts_shadows = geometry.CanShadowItself();
+  inputs.noise_known = session.radiometry.noise.has_value();
+  if (const auto* mesh = std::get_if<calib::MeshShape>(&geometry.shape()))
+    inputs.mesh_faces = mesh->faces.size();
+  inputs.pictures = static_cast<bool>(options.residuals_of);
+  return CheckMemory(inputs, *options.max_memory);
+}
+
 // What is read of a session.
 struct Loaded {
   rig::Session session;
@@ -138,6 +158,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   if (!shape) return Forward(shape);
   model::KeyframeSource keyframes = FramesOf(*session, *chosen);
   target::Geometry geometry(std::move(*shape));
+  if (const Status status = CheckFits(*session, keyframes, geometry, options); !status)
+    return Forward(status);
   auto closure = rig::CheckClosure(folder);
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);

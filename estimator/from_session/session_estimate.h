@@ -44,6 +44,8 @@ struct Options {
   std::optional<double> ceiling_distance_m;    // of kPaper only; metres
 
   std::size_t most_pixels = observe::kMostPixels;  // held at a time; kFewestPixels and more
+  // Bytes: an estimate that would need more is refused before it begins. Changes no result.
+  std::optional<double> max_memory;
   // Of how many keyframes whose residual maps are made; none: no maps.
   std::function<std::vector<std::size_t>(std::size_t keyframes)> residuals_of;
 

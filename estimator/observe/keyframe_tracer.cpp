@@ -52,7 +52,7 @@ KeyframeTracer::KeyframeTracer(const model::Keyframe& keyframe, std::uint32_t in
       grazing_(std::holds_alternative<calib::PlaneShape>(geometry.shape()) ? kGrazingPlane
                                                                            : kGrazingCurved),
       flags_(rays.height(), rays.width(), std::uint8_t{kOffTarget}) {
-  const bool small = keyframe.mask.total() <= kSmallPicture;
+  const bool small = IsTracedWhole(keyframe.mask.total());
   MarkPicture(keyframe, small ? TraceWhole(keyframe.mask) : TraceMiddles(keyframe.mask));
   candidates_ = flags_.total() - static_cast<std::size_t>(cv::countNonZero(flags_));
   for (auto& row : rows_)
@@ -158,16 +158,18 @@ std::vector<std::vector<TracedPixel>> KeyframeTracer::Rows(int begin, int end,
   return out;
 }
 
-std::size_t KeyframesInFlight(const calib::RayGrid& rays) {
-  const std::size_t pixels = static_cast<std::size_t>(rays.width()) * rays.height();
-  return std::max<std::size_t>(2 * kSmallPicture / std::max<std::size_t>(pixels, 1), 2);
+std::size_t KeyframesInFlight(std::size_t picture_pixels) {
+  return std::max<std::size_t>(2 * kSmallPicture / std::max<std::size_t>(picture_pixels, 1), 2);
 }
+
+bool IsTracedWhole(std::size_t picture_pixels) { return picture_pixels <= kSmallPicture; }
 
 Status TraceKeyframes(
     const model::KeyframeSource& keyframes, const target::Geometry& geometry,
     const calib::RayGrid& rays, const StopFlag* stop,
     const std::function<void(std::size_t index, const model::Keyframe&, KeyframeTracer&)>& put) {
-  const std::size_t at_a_time = KeyframesInFlight(rays);
+  const std::size_t at_a_time =
+      KeyframesInFlight(static_cast<std::size_t>(rays.width()) * rays.height());
   for (std::size_t first = 0; first < keyframes.size(); first += at_a_time) {
     std::vector<InFlight> batch(std::min(at_a_time, keyframes.size() - first));
     ParallelFor(batch.size(), [&](std::size_t i) {

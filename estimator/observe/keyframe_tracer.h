@@ -72,7 +72,9 @@ class KeyframeTracer {
 
 // How many keyframes of this size are in memory at a time, at least 2: what they hold together is
 // bounded whatever the number of threads.
-std::size_t KeyframesInFlight(const calib::RayGrid& rays);
+std::size_t KeyframesInFlight(std::size_t picture_pixels);
+// Whether a picture is so small that all geometry of its target is held at once.
+bool IsTracedWhole(std::size_t picture_pixels);
 
 // Reads keyframes and takes their first step, KeyframesInFlight at a time; `put` has them one by
 // one in their order, in the thread that calls. Fails as the source does (the first refusal in the

@@ -17,8 +17,9 @@
 
 namespace turnlight::estimator::observe {
 
-// Pixels that an estimate keeps when nothing else is asked for: 1.5 GB of them in colour.
-inline constexpr std::size_t kMostPixels = 20'000'000;
+// Pixels that an estimate keeps when nothing else is asked for. With the rays of a camera of 24
+// megapixels and two of its pictures that is less than 4 GB, whatever the target and the format.
+inline constexpr std::size_t kMostPixels = 16'000'000;
 
 struct ObserveOptions {
   std::size_t most_pixels = kMostPixels;  // of more, whole blocks are given up evenly

@@ -93,5 +93,17 @@ TEST(Notes, ManyOutliersAreCounted) {
   EXPECT_THAT(estimate.notes[0].text, HasSubstr("17 of 1000 target pixels"));
 }
 
+TEST(Notes, PixelsThatWereGivenUpAreCounted) {
+  Estimate estimate = Unremarkable();
+  observe::Observations kept;
+  kept.used = 16'000'000;
+  AddThinnedNote(kept, 16'000'000, estimate);
+  EXPECT_THAT(CodesOf(estimate), IsEmpty());
+  kept.blocks.share = 0.5;
+  AddThinnedNote(kept, 31'000'000, estimate);
+  ASSERT_THAT(CodesOf(estimate), ElementsAre("pixels-thinned"));
+  EXPECT_THAT(estimate.notes[0].text, HasSubstr("16000000 of about 31000000 usable pixels"));
+}
+
 }  // namespace
 }  // namespace turnlight::estimator

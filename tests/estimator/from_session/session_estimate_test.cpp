@@ -169,6 +169,9 @@ TEST_F(FromSession, OptionsThatDoNotGoTogetherAreRefused) {
   options.views = 0;
   EXPECT_THAT(Refusal(options), HasSubstr("--views: 0"));
   options = {};
+  options.most_pixels = kFewestPixels - 1;
+  EXPECT_THAT(Refusal(options), HasSubstr("--pixels: 9999, allowed are 10000 to 1000000000"));
+  options = {};
   options.ceiling_distance_m = 3.0;
   EXPECT_THAT(Refusal(options), HasSubstr("--ceiling-distance: with --method paper only"));
   options = {};

@@ -245,12 +245,10 @@ TEST(TraceKeyframes, ComeInTheirOrderAndEndAtTheFirstRefusal) {
 }
 
 TEST(KeyframesInFlight, AreFewWhateverTheirSize) {
-  const auto of = [](int width, int height) {
-    return KeyframesInFlight(calib::RayGrid(
-        calib::CameraModel::Pinhole(width, height, 100.0, 100.0, 0.5 * width, 0.5 * height)));
-  };
-  EXPECT_EQ(of(2000, 1000), 2u);
-  EXPECT_EQ(of(320, 240), 27u);
+  EXPECT_EQ(KeyframesInFlight(24'000'000), 2u);
+  EXPECT_EQ(KeyframesInFlight(320 * 240), 27u);
+  EXPECT_TRUE(IsTracedWhole(320 * 240));
+  EXPECT_FALSE(IsTracedWhole(24'000'000));
 }
 
 }  // namespace

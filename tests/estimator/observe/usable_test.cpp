@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "estimator/observe/keyframe_tracer.h"
 #include "tests/estimator/random_observations.h"
 
 namespace turnlight::estimator::observe {

@@ -103,6 +103,41 @@ TEST(CastShadows, ALightThatHardlyMovedKeepsItsPlanes) {
   EXPECT_NE(CastShadows(floor.all, moved, shadows, 0.01).lit[0], shadows.lit[0]);
 }
 
+// Where blocks were given up, what lies beside them could hide an edge: it is left out too.
+TEST(CastShadows, BesideABlockThatWasGivenUpEdgesAreNotKnown) {
+  FloorPixels floor;
+  const observe::BlockChoice half{0.5};
+  const auto kept = [&](std::size_t row, std::size_t column) {
+    return half.Keeps(0, static_cast<int>(column), static_cast<int>(row));
+  };
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < floor.all.used; ++i) {
+    if (!kept(i / FloorPixels::kWidth, i % FloorPixels::kWidth)) continue;
+    observe::Put(observe::At(floor.all.position, i), to, floor.all.position);
+    floor.all.pixel[to++] = static_cast<std::uint32_t>(i);
+  }
+  std::fill(floor.all.pixel.begin() + static_cast<std::ptrdiff_t>(to), floor.all.pixel.end(),
+            observe::Observations::kNoPixel);
+  floor.all.blocks = half;
+  const Shadows shadows = CastShadows(floor.all, OneLightFrom({0, 1, 1}));
+  std::size_t beside = 0, usable = 0;
+  for (std::size_t i = 0; i < to; ++i) {
+    const std::size_t row = floor.all.pixel[i] / FloorPixels::kWidth;
+    const std::size_t column = floor.all.pixel[i] % FloorPixels::kWidth;
+    bool known = true;
+    for (std::size_t r = row > 0 ? row - 1 : 0; r <= row + 1; ++r)
+      for (std::size_t c = column > 0 ? column - 1 : 0; c <= column + 1; ++c)
+        if (c < FloorPixels::kWidth && !kept(r, c)) known = false;
+    const double y = FloorPixels::Y(floor.all.pixel[i]);
+    const bool edge = y > 9.0 && y < 11.0;
+    EXPECT_EQ((*shadows.usable)[i], !edge && known ? 1 : 0) << row << " " << column;
+    beside += known ? 0 : 1;
+    usable += (*shadows.usable)[i];
+  }
+  EXPECT_GT(beside, 100u);
+  EXPECT_GT(usable, 500u);
+}
+
 TEST(CastShadows, ABallHasNoPlanesAndASampleNoEdges) {
   RandomObservations random(1000, 1, 1);
   for (auto& component : random.observations.footprint)
