@@ -67,8 +67,10 @@ Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
 // The first refusal in the order of the frames, whatever thread found it.
 Result<std::vector<model::Keyframe>> LoadKeyframes(const rig::Session& session,
                                                    const std::vector<std::size_t>& chosen,
-                                                   const StopFlag* stop, Stages& stages) {
+                                                   const StopFlag* stop, Stages& stages,
+                                                   std::vector<rig::PictureFacts>& facts) {
   std::vector<model::Keyframe> keyframes(chosen.size());
+  facts.resize(chosen.size());
   std::vector<Status> statuses(chosen.size());
   stages.Begin(Stage::kReading, chosen.size());
   ParallelFor(chosen.size(), [&](std::size_t i) {
@@ -81,6 +83,7 @@ Result<std::vector<model::Keyframe>> LoadKeyframes(const rig::Session& session,
     }
     keyframes[i] = {calib::Linearise(images->image, session.radiometry, frame.exposure),
                     images->mask, frame.X_WC, frame.X_WT};
+    facts[i] = images->facts;
     stages.Step();
   });
   if (StopRequested(stop)) return InterruptedError();
@@ -129,6 +132,7 @@ struct Loaded {
   std::vector<model::Keyframe> keyframes;
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
+  std::vector<rig::PictureFacts> facts;  // of the frames chosen
 };
 
 Result<Loaded> Load(const std::filesystem::path& folder, const Options& options, Stages& stages) {
@@ -141,14 +145,16 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options,
   if (!calibration) return Forward(calibration);
   auto shape = rig::ReadTarget(*session);
   if (!shape) return Forward(shape);
-  auto keyframes = LoadKeyframes(*session, *chosen, options.stop, stages);
+  std::vector<rig::PictureFacts> facts;
+  auto keyframes = LoadKeyframes(*session, *chosen, options.stop, stages, facts);
   if (!keyframes) return Forward(keyframes);
   target::Geometry geometry(std::move(*shape));
   auto closure = rig::CheckClosure(folder);
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);
   return Loaded{std::move(*session),   std::move(*calibration), std::move(*chosen),
-                std::move(*keyframes), std::move(geometry),     std::move(*closure)};
+                std::move(*keyframes), std::move(geometry),     std::move(*closure),
+                std::move(facts)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
@@ -206,6 +212,8 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   auto output = EstimateLoaded(*loaded, options, stages);
   if (!output) return Forward(output);
   stages.End();
+  for (rig::PictureNote& note : rig::PictureNotes(loaded->session.radiometry, loaded->facts))
+    output->estimate.notes.push_back({std::move(note.code), std::move(note.text)});
   if (loaded->closure && !loaded->closure->closed)
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});
   return SessionEstimate{std::move(loaded->session),  std::move(loaded->keyframes),

@@ -132,7 +132,7 @@ Imf::FrameBuffer BufferOf(const cv::Mat& image, const Imath::Box2i& window,
 
 }  // namespace
 
-Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected) {
+Result<Picture> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected) {
   if (const Status status = CheckAttributes(bytes, file); !status) return Forward(status);
   MemoryReader stream(bytes, file);
   Imf::InputFile input(stream, 0);
@@ -144,7 +144,7 @@ Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv:
   if (!channels) return Forward(channels);
   const ImageHeader header{std::int64_t{window.max.x} - window.min.x + 1,
                            std::int64_t{window.max.y} - window.min.y + 1,
-                           static_cast<std::int64_t>(channels->size() * sizeof(float))};
+                           static_cast<std::int64_t>(channels->size() * 8 * sizeof(float))};
   const Status status = CheckImageHeader(header, file, expected, bytes.size());
   if (!status) return Forward(status);
   if (!input.isComplete()) return InputError(file + ": truncated OpenEXR: some rows are missing");
@@ -152,7 +152,7 @@ Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv:
                 CV_32FC(static_cast<int>(channels->size())));
   input.setFrameBuffer(BufferOf(image, window, *channels));
   input.readPixels(window.min.y, window.max.y);
-  return image;
+  return Picture{std::move(image), {}};
 }
 
 Result<std::string> EncodeExr(const cv::Mat& image, const std::string& file) {
