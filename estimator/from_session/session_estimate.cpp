@@ -200,6 +200,13 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& optio
   return EstimateScene(loaded.keyframes, loaded.geometry, rays, estimate);
 }
 
+// Where there is no estimate, what the pictures say may be why.
+Error WithNotes(Error error, const std::vector<rig::PictureNote>& notes) {
+  if (error.kind != ErrorKind::kNoEstimate) return error;
+  for (const rig::PictureNote& note : notes) error.text += ". Besides: " + note.text;
+  return error;
+}
+
 }  // namespace
 
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
@@ -210,9 +217,10 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   if (!loaded) return Forward(loaded);
   const double load_s = stopwatch.Seconds();
   auto output = EstimateLoaded(*loaded, options, stages);
-  if (!output) return Forward(output);
+  auto notes = rig::PictureNotes(loaded->session.radiometry, loaded->facts);
+  if (!output) return tl::unexpected(WithNotes(output.error(), notes));
   stages.End();
-  for (rig::PictureNote& note : rig::PictureNotes(loaded->session.radiometry, loaded->facts))
+  for (rig::PictureNote& note : notes)
     output->estimate.notes.push_back({std::move(note.code), std::move(note.text)});
   if (loaded->closure && !loaded->closure->closed)
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});

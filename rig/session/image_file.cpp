@@ -46,7 +46,7 @@ Result<Picture> Decode(const std::string& bytes, const fs::path& file, cv::Size 
       case Format::kTiff:
         return DecodeTiff(bytes, file.string(), expected, use);
       case Format::kExr:
-        return DecodeExr(bytes, file.string(), expected);
+        return DecodeExr(bytes, file.string(), expected, use);
     }
   } catch (const std::exception& error) {
     return InputError(file.string() + ": damaged or truncated: " + error.what());
@@ -114,6 +114,12 @@ Result<cv::Mat1b> DecodeMask(const std::string& bytes, const fs::path& file, cv:
   } catch (const std::exception& error) {  // of OpenCV: no memory
     return SystemError(file.string() + ": " + error.what());
   }
+}
+
+Result<cv::Mat1b> ReadMask(const fs::path& path, cv::Size expected) {
+  const auto bytes = ReadFile(path);
+  if (!bytes) return Forward(bytes);
+  return DecodeMask(*bytes, path, expected);
 }
 
 Result<std::string> EncodeImage(const fs::path& path, const cv::Mat& image) {

@@ -37,6 +37,7 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& path, cv::Size expected =
 // what is black or transparent is 0. Fails (kInput) as DecodePicture does.
 Result<cv::Mat1b> DecodeMask(const std::string& bytes, const std::filesystem::path& file,
                              cv::Size expected = {});
+Result<cv::Mat1b> ReadMask(const std::filesystem::path& path, cv::Size expected = {});
 
 // The bytes of a picture's file; path's extension picks the format. image: CV_8U, CV_16U or CV_32F
 // (.exr, .tif), grey or R, G, B. Deterministic: the same picture gives the same bytes.

@@ -34,7 +34,8 @@ Result<Picture> DecodePng(const std::string& bytes, const std::string& file, cv:
                           PictureUse use);
 Result<Picture> DecodeTiff(const std::string& bytes, const std::string& file, cv::Size expected,
                            PictureUse use);
-Result<Picture> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected);
+Result<Picture> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected,
+                          PictureUse use);
 
 // image: 1 or 3 channels (R, G, B) of a depth that the format has.
 Result<std::string> EncodePng(const cv::Mat& image, const std::string& file);

@@ -146,9 +146,10 @@ std::optional<TransferClaim> IccClaim(std::string_view bytes) {
 }
 
 ExifClaims ReadExif(std::string_view tiff) {
-  constexpr unsigned kOrientation = 0x0112, kExifFolder = 0x8769, kColorSpace = 0xa001;
+  constexpr unsigned kTiff = 42, kOrientation = 0x0112, kExifFolder = 0x8769, kColorSpace = 0xa001;
   ExifClaims claims;
   if (!tiff.starts_with("II") && !tiff.starts_with("MM")) return claims;
+  if (TiffNumber(tiff, 2, 2) != kTiff) return claims;  // a BigTIFF has other numbers
   const std::size_t folder = TiffNumber(tiff, 4, 4);
   const unsigned orientation = TiffValue(tiff, folder, kOrientation);
   if (orientation >= 1 && orientation <= 8) claims.orientation = static_cast<int>(orientation);

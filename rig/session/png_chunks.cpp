@@ -46,7 +46,8 @@ Status CheckKind(int bits, int colour, const std::string& file, PictureUse use) 
                        : colour == 4         ? "grey with alpha, 2 channels"
                        : colour == 6         ? "RGB with alpha, 4 channels"
                                              : "unknown") +
-                      "), allowed are grey (0) and RGB (2)");
+                      "), allowed are grey (0) and RGB (2)" +
+                      (colour == 4 || colour == 6 ? "; export without alpha" : ""));
   if (bits != 8 && bits != 16 && use == PictureUse::kFrame)
     return InputError(file + ": " + std::to_string(bits) +
                       " bits per channel, allowed are 8 and 16 in a PNG");

@@ -14,12 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<cv::Mat1b> ReadMask(const fs::path& file, cv::Size size) {
-  const auto bytes = ReadFile(file);
-  if (!bytes) return Forward(bytes);
-  return DecodeMask(*bytes, file, size);
-}
-
 Result<FrameImages> ReadFrame(const Session& session, std::size_t index) {
   const FrameRecord& frame = session.frames[index];
   const std::string key = "frames/" + std::to_string(index) + "/";

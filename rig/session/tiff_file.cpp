@@ -104,7 +104,10 @@ std::optional<TransferClaim> TransferOf(TIFF* tiff, const TiffLayout& layout,
     constexpr std::size_t kSteps = 64;
     const std::size_t last = (std::size_t{1} << layout.bits) - 1;
     std::vector<double> samples;
-    for (std::size_t i = 0; i <= kSteps; ++i) samples.push_back(red[i * last / kSteps] / 65535.0);
+    for (std::size_t i = 0; i <= kSteps; ++i) {
+      const std::size_t at = i * last / kSteps;
+      samples.push_back(red[at] / 65535.0);
+    }
     return CurveClaim(samples, "the TIFF's TransferFunction tag");
   }
   if (ReadExif(bytes).srgb) return TransferClaim{Transfer::kSrgb, 2.2, "EXIF's ColorSpace (1)"};

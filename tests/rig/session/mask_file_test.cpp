@@ -1,6 +1,10 @@
 // Proves: masks as image programs save them (few bits, palettes, alpha, a transparent colour, white
 // as 0) are read as they are meant, as PNG and TIFF. Does not prove: pictures; the readers of those
 // are stricter.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -99,6 +103,26 @@ TEST(MaskFile, Tiffs) {
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
   };
   EXPECT_EQ(Shown(TiffOfPages({alpha}), "m.tif"), "x.x.");
+}
+
+TEST(MaskFile, AnExrWithAlpha) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "m.exr";
+  {
+    Imf::Header header(4, 1);
+    Imf::FrameBuffer buffer;
+    const float black[4] = {}, alpha[4] = {0.0f, 1.0f, 0.0f, 0.5f};
+    for (const char* channel : {"R", "G", "B", "A"}) {
+      header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+      buffer.insert(channel, Imf::Slice::Make(Imf::FLOAT, *channel == 'A' ? alpha : black,
+                                              header.dataWindow(), sizeof(float)));
+    }
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(1);
+  }
+  EXPECT_EQ(Shown(ReadFile(path).value(), "m.exr"), ".x.x");
+  EXPECT_FALSE(ReadImage(path));
 }
 
 TEST(MaskFile, ABlankMaskOfOneBitMayBeSmall) {

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "rig/session/session.h"
 #include "tests/rig/session/fixture.h"
 
@@ -61,11 +64,18 @@ TEST_F(PictureCases, APictureTurnedByExif) {
                                   HasSubstr("turned by 180 degrees"))));
 }
 
-// 0.3 % is what LogLuv rounds to.
+// As OpenCV itself reads it back.
 TEST_F(PictureCases, OpenCvsFloatTiff) {
   const auto picture = CasePicture("opencv_default_float.tif");
   ASSERT_TRUE(picture) << picture.error().text;
+  const fs::path path =
+      fs::path(TURNLIGHT_SOURCE_DIR) / "tests/rig/session/cases/opencv_default_float.tif";
+  cv::Mat expected = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(expected.type(), CV_32FC3);
+  cv::cvtColor(expected, expected, cv::COLOR_BGR2RGB);
   EXPECT_EQ(picture->image.type(), CV_32FC3);
+  EXPECT_LT(cv::norm(picture->image, expected, cv::NORM_INF), 1e-4);
+  EXPECT_GT(cv::norm(expected, cv::NORM_INF), 0.1);
   EXPECT_THAT(picture->claims.remarks,
               testing::ElementsAre(AllOf(HasSubstr("LogLuv"), HasSubstr("rounded"),
                                          HasSubstr("IMWRITE_TIFF_COMPRESSION, 1"))));

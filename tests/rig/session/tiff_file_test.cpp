@@ -161,26 +161,26 @@ TEST(TiffFile, OthersAreRefusedInWords) {
                        .photometric = photometric,
                        .tags = tags}});
   };
-  const int kUint = SAMPLEFORMAT_UINT;
-  EXPECT_THAT(refused(PHOTOMETRIC_MINISWHITE, 1, 8, kUint),
+  const int whole = SAMPLEFORMAT_UINT;
+  EXPECT_THAT(refused(PHOTOMETRIC_MINISWHITE, 1, 8, whole),
               AllOf(HasSubstr("0 (grey, white is 0)"), HasSubstr("against the light")));
-  EXPECT_THAT(refused(PHOTOMETRIC_RGB, 4, 8, kUint,
+  EXPECT_THAT(refused(PHOTOMETRIC_RGB, 4, 8, whole,
                       [](TIFF* tiff) {
                         const std::uint16_t kind = EXTRASAMPLE_UNASSALPHA;
                         TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
                       }),
               AllOf(HasSubstr("4 channels, of which 1 beyond the colours (alpha)"),
                     HasSubstr("export without alpha")));
-  EXPECT_THAT(refused(PHOTOMETRIC_CIELAB, 3, 8, kUint), HasSubstr("8 (CIE Lab) with 3 channels"));
-  EXPECT_THAT(refused(PHOTOMETRIC_MINISBLACK, 1, 1, kUint), HasSubstr("samples of 1 bits"));
+  EXPECT_THAT(refused(PHOTOMETRIC_CIELAB, 3, 8, whole), HasSubstr("8 (CIE Lab) with 3 channels"));
+  EXPECT_THAT(refused(PHOTOMETRIC_MINISBLACK, 1, 1, whole), HasSubstr("samples of 1 bits"));
   EXPECT_THAT(refused(PHOTOMETRIC_MINISBLACK, 1, 64, SAMPLEFORMAT_COMPLEXIEEEFP),
               HasSubstr("format 6 (complex)"));
   EXPECT_THAT(
-      refused(PHOTOMETRIC_MINISBLACK, 1, 8, kUint,
+      refused(PHOTOMETRIC_MINISBLACK, 1, 8, whole,
               [](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_JPEG); }),
       HasSubstr("7 (JPEG, which changes values)"));
   for (int turn = 2; turn <= 8; ++turn)
-    EXPECT_THAT(refused(PHOTOMETRIC_MINISBLACK, 1, 8, kUint,
+    EXPECT_THAT(refused(PHOTOMETRIC_MINISBLACK, 1, 8, whole,
                         [turn](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_ORIENTATION, turn); }),
                 AllOf(HasSubstr("Orientation tag gives the orientation " + std::to_string(turn)),
                       HasSubstr("allowed is 1")));
