@@ -144,7 +144,7 @@ std::string PlateauText(const calib::Radiometry& radiometry, const Levels& level
 
 }  // namespace
 
-PictureLevels LevelsOf(const cv::Mat& image, const cv::Mat1b& mask) {
+PictureLevels MeasureLevels(const cv::Mat& image, const cv::Mat1b& mask) {
   PictureLevels levels;
   levels.whole = IsWhole(image);
   if (!levels.whole) return levels;

@@ -34,7 +34,7 @@ struct PictureLevels {
 inline constexpr std::size_t kLeastOften = 30;
 
 // image: as decoded, before a mosaic is interpolated; CV_8U, CV_16U or CV_32F. mask: 255 = target.
-PictureLevels LevelsOf(const cv::Mat& image, const cv::Mat1b& mask);
+PictureLevels MeasureLevels(const cv::Mat& image, const cv::Mat1b& mask);
 
 // What is doubtful about radiometry beside the levels of a session's frames, with the value to set;
 // empty if nothing is. A clipped value counts if two frames have it (or the only one).

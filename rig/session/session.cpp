@@ -37,7 +37,7 @@ Result<FrameImages> ReadFrame(const Session& session, std::size_t index) {
       return InputError(mask_file->string() + ": the " + name +
                         " leaves no pixel, allowed is at least one non-zero pixel");
   }
-  images.facts.levels = LevelsOf(images.image, images.mask);
+  images.facts.levels = MeasureLevels(images.image, images.mask);
   if (session.bayer) {
     const Status status = Demosaic(*session.bayer, file->string(), images.image);
     if (!status) return Forward(status);

@@ -107,7 +107,7 @@ void CheckImage(const std::string& bytes, const std::string& file) {
   Require(DecodeImage(bytes, file, image->size()).has_value());
   Require(!DecodeImage(bytes, file, {image->cols + 1, image->rows}));
   const PictureFacts facts{file, picture->claims,
-                           LevelsOf(*image, cv::Mat1b(image->size(), std::uint8_t{255}))};
+                           MeasureLevels(*image, cv::Mat1b(image->size(), std::uint8_t{255}))};
   for (const PictureNote& note : PictureNotes({}, {facts}))
     Require(!note.code.empty() && !note.text.empty());
 }

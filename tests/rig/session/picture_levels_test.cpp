@@ -48,7 +48,7 @@ std::string TextOf(const std::vector<cv::Mat>& pictures, double white,
   radiometry.saturation = saturation;
   std::vector<PictureLevels> levels;
   for (const cv::Mat& picture : pictures)
-    levels.push_back(LevelsOf(picture, cv::Mat1b(picture.size(), 255)));
+    levels.push_back(MeasureLevels(picture, cv::Mat1b(picture.size(), 255)));
   return LevelsText(radiometry, levels);
 }
 
@@ -127,7 +127,7 @@ TEST(PictureLevels, NothingIsSaidOfFlatAreasAndRidges) {
 TEST(PictureLevels, NothingIsSaidOfFloatsAndOfBlack) {
   cv::Mat floats;
   Ball(1.5, 0.01).convertTo(floats, CV_32F);
-  EXPECT_FALSE(LevelsOf(floats, cv::Mat1b(floats.size(), 255)).whole);
+  EXPECT_FALSE(MeasureLevels(floats, cv::Mat1b(floats.size(), 255)).whole);
   EXPECT_EQ(TextOf({floats, floats}, 1.0), "");
   EXPECT_EQ(TextOf({cv::Mat::zeros(9, 9, CV_16U)}, 65535), "");
 }
