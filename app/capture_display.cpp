@@ -7,6 +7,7 @@
 
 #include "app/progress.h"
 #include "base/format.h"
+#include "base/printable.h"
 
 namespace turnlight::app {
 namespace {
@@ -120,7 +121,7 @@ void CaptureDisplay::OnLine(const std::string& line) {
   shown_.insert(line);
   if (!terminal_) return Show(line);
   Erase();
-  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fprintf(stderr, "%s\n", Printable(line).c_str());
   Draw();
 }
 
@@ -142,7 +143,7 @@ void CaptureDisplay::Show(const std::string& event) {
     Erase();
     Draw();
   } else {
-    std::fprintf(stderr, "%s\n", event.c_str());
+    std::fprintf(stderr, "%s\n", Printable(event).c_str());
   }
   std::fflush(stderr);
 }
@@ -154,7 +155,7 @@ void CaptureDisplay::Erase() {
 void CaptureDisplay::Draw() {
   const std::size_t columns = TerminalColumns() - 1;
   const auto line = [&](const std::string& text) {
-    std::fprintf(stderr, "%s\n", Cut(text, columns).c_str());
+    std::fprintf(stderr, "%s\n", Cut(Printable(text), columns).c_str());
     ++drawn_;
   };
   if (!frame_text_.empty()) line(frame_text_);

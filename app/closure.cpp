@@ -3,11 +3,13 @@
 #include <iostream>
 
 #include "app/exit_code.h"
+#include "base/printable.h"
 
 namespace turnlight::app {
 
 void TellVerdict(const rig::ClosureCheck& closure) {
-  std::cerr << (closure.closed ? "" : "turnlight: ") << "closure: " << closure.text << std::endl;
+  std::cerr << (closure.closed ? "" : "turnlight: ") << "closure: " << Printable(closure.text)
+            << std::endl;
 }
 
 Result<std::optional<rig::ClosureCheck>> TellClosure(const std::filesystem::path& session) {

@@ -10,6 +10,7 @@
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/printable_output.h"
 #include "app/version.h"
 #include "base/nearest.h"
 
@@ -125,6 +126,7 @@ int ParseAndRun(int argc, char** argv) {
 }  // namespace
 
 int RunCommandLine(int argc, char** argv) {
+  const PrintableOutput printable;
   InstallInterruptHandler();
   try {
     return ParseAndRun(argc, argv);

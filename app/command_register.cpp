@@ -18,6 +18,7 @@
 #include "base/angles.h"
 #include "base/file.h"
 #include "base/format.h"
+#include "base/printable.h"
 #include "calib/calibrate/board/board_words.h"
 #include "calib/calibrate/board/detect_boards.h"
 #include "calib/calibrate/board/shown_board.h"
@@ -143,14 +144,14 @@ void PrintViews(const std::vector<handheld::RegisteredView>& views) {
   std::cout << "     rms px  sigma mm  sigma deg  view change  picture\n";
   for (const handheld::RegisteredView& view : views) {
     if (!view.pose) {
-      std::cout << "out                                           " << view.name << ": "
-                << view.why_left_out << "\n";
+      std::cout << "out                                           " << Printable(view.name) << ": "
+                << Printable(view.why_left_out) << "\n";
       continue;
     }
     std::cout << Format("%-4s %6.2f  %8.2f  %9.3f  %7.1f deg  ", view.keyframe ? "key" : "",
                         view.pose->rms_px, ShiftSigma(*view.pose), TurnSigmaDeg(*view.pose),
                         view.view_change_deg)
-              << view.name << "\n";
+              << Printable(view.name) << "\n";
   }
 }
 

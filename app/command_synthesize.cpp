@@ -7,6 +7,7 @@
 #include "app/output_folder.h"
 #include "app/progress.h"
 #include "app/run_config.h"
+#include "base/printable.h"
 #include "rig/sim/synthetic_config.h"
 #include "rig/sim/synthetic_session.h"
 
@@ -42,7 +43,8 @@ int Synthesize(const SynthesizeOptions& options) {
               << std::endl;
     return kInterrupted;
   }
-  for (const std::string& remark : report->remarks) std::cerr << "remark: " << remark << "\n";
+  for (const std::string& remark : report->remarks)
+    std::cerr << "remark: " << Printable(remark) << "\n";
   std::cout << options.out << ": " << config->motion.frames << " frames of " << config->camera.width
             << " x " << config->camera.height << ", with their truth.json" << std::endl;
   return kDone;

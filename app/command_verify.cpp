@@ -7,6 +7,7 @@
 #include "app/interrupt.h"
 #include "base/format.h"
 #include "estimator/from_session/frame_doubts.h"
+#include "base/printable.h"
 #include "rig/capture/closure_check.h"
 #include "rig/session/session.h"
 
@@ -21,14 +22,16 @@ int Verify(const std::string& folder) {
   const InterruptAtOnce reading_only;
   const auto report = rig::VerifySession(folder);
   if (!report) return Fail(report.error());
-  for (const std::string& remark : report->remarks) std::cout << "remark: " << remark << "\n";
+  for (const std::string& remark : report->remarks)
+    std::cout << "remark: " << Printable(remark) << "\n";
   if (report->problems.empty()) {
     const auto closure = rig::CheckClosure(folder);
     if (!closure || *closure)
-      std::cout << "remark: closure: " << (closure ? (*closure)->text : closure.error().text)
-                << "\n";
+      std::cout << "remark: closure: "
+                << Printable(closure ? (*closure)->text : closure.error().text) << "\n";
   }
-  for (const std::string& problem : report->problems) std::cout << "problem: " << problem << "\n";
+  for (const std::string& problem : report->problems)
+    std::cout << "problem: " << Printable(problem) << "\n";
   if (report->problems.empty()) {
     std::cout << folder << ": good, " << Count(report->frames, "frame") << "\n"
               << "content sha256 " << report->content_sha256 << std::endl;

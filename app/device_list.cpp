@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/format.h"
+#include "base/printable.h"
 #include "rig/serial/serial_link.h"
 
 namespace turnlight::app {
@@ -15,19 +16,20 @@ std::string Quoted(const std::string& text) {
 
 std::string PortText(const ListedPort& port, const std::vector<std::string>& drivers) {
   const rig::serial::PortInfo& info = port.info;
-  std::string text = "  " + info.path;
+  std::string text = info.path;
   if (!info.description.empty()) text += "  " + info.description;
   if (!info.usb_ids.empty()) text += ", USB " + info.usb_ids;
   if (!info.usb_serial.empty()) text += ", serial number " + info.usb_serial;
-  text += port.holders.empty() ? ", free\n" : ", held by " + port.holders + "\n";
+  text += port.holders.empty() ? ", free" : ", held by " + port.holders;
   const std::string driver = drivers.empty() ? "DRIVER" : drivers.front();
-  return text + "      " + ConfigLine(info, driver) + "\n";
+  return "  " + Printable(text) + "\n      " + Printable(ConfigLine(info, driver)) + "\n";
 }
 
 std::string CameraText(const rig::aravis::FoundCamera& camera) {
-  return "  " + camera.id + "  " + camera.vendor + " " + camera.model + ", serial number " +
-         camera.serial + ", at " + camera.address + " by " + camera.protocol + "\n      " +
-         ConfigLine(camera) + "\n";
+  return "  " +
+         Printable(camera.id + "  " + camera.vendor + " " + camera.model + ", serial number " +
+                   camera.serial + ", at " + camera.address + " by " + camera.protocol) +
+         "\n      " + Printable(ConfigLine(camera)) + "\n";
 }
 
 }  // namespace
@@ -79,7 +81,7 @@ std::string DeviceListText(const DeviceList& list) {
         "network of this computer's port (ip addr shows it) and UDP port 3956 must not be blocked "
         "by a firewall; a USB3 Vision camera must be one that your user may open (turnlight doctor "
         "shows the udev rule)\n";
-  for (const std::string& problem : list.problems) text += "  " + problem + "\n";
+  for (const std::string& problem : list.problems) text += "  " + Printable(problem) + "\n";
   return text;
 }
 

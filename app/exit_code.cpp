@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+#include "base/printable.h"
+
 namespace turnlight::app {
 namespace {
 
@@ -25,7 +27,7 @@ int ExitCodeOf(ErrorKind kind) {
 }  // namespace
 
 int Fail(const Error& error) {
-  std::cerr << "turnlight: " << error.text << std::endl;
+  std::cerr << "turnlight: " << Printable(error.text) << std::endl;
   return ExitCodeOf(error.kind);
 }
 

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "base/printable.h"
+
 namespace turnlight::app {
 namespace {
 
@@ -38,10 +40,11 @@ void StatusLine::Show(const std::string& text, bool last) {
   shown_ = true;
   if (seconds < next_s_ && !last) return;
   next_s_ = seconds + (terminal_ ? kTerminalPeriod : kPlainPeriod);
+  const std::string shown = Printable(text);
   if (terminal_)
-    std::fprintf(stderr, "\r\033[K%s", text.c_str());
+    std::fprintf(stderr, "\r\033[K%s", shown.c_str());
   else
-    std::fprintf(stderr, "%s\n", text.c_str());
+    std::fprintf(stderr, "%s\n", shown.c_str());
   std::fflush(stderr);
 }
 

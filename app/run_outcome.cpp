@@ -1,6 +1,7 @@
 #include "app/run_outcome.h"
 
 #include "app/exit_code.h"
+#include "base/printable.h"
 #include "nodes/logger_node.h"
 
 namespace turnlight::app {
@@ -9,7 +10,7 @@ std::string OutcomeText(const RunOutcome& outcome, const std::string& hint) {
   const std::string begin = "turnlight: ";
   std::string text;
   if (outcome.report.failure && !outcome.failure_shown)
-    text += begin + nodes::FaultLine(*outcome.report.failure) + "\n";
+    text += begin + Printable(nodes::FaultLine(*outcome.report.failure)) + "\n";
   for (const std::string& node : outcome.report.hung)
     text += begin + node + ": hangs: it did not come back when the run stopped, and was left\n";
   if (outcome.missing > 0)

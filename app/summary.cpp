@@ -5,6 +5,7 @@
 
 #include "base/angles.h"
 #include "base/format.h"
+#include "base/printable.h"
 #include "estimator/results/result_json.h"
 
 namespace turnlight::app {
@@ -119,7 +120,7 @@ std::string LadderText(const Estimate& estimate) {
 std::string NotesText(const Estimate& estimate) {
   std::string text;
   for (const estimator::Note& note : estimate.notes)
-    text += "  " + note.code + ": " + note.text + "\n";
+    text += "  " + note.code + ": " + Printable(note.text) + "\n";
   for (const std::string& weak : estimate.weak) text += "  weak: " + weak + "\n";
   return text.empty() ? text : "\nnotes\n" + text;
 }
@@ -135,7 +136,7 @@ std::string Measure(double value, double sigma) {
 
 std::string Summary(const Estimate& estimate, const std::string& session_name,
                     const std::string& length_unit) {
-  std::string text = session_name + ": " +
+  std::string text = Printable(session_name) + ": " +
                      Plural(static_cast<std::size_t>(estimate.views), "view") + ", " +
                      Plural(estimate.pixels, "pixel") + "\n\n";
   text += Row("model", ModelText(estimate));

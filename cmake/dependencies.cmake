@@ -16,6 +16,7 @@ find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tl-expected REQUIRED)
+pkg_check_modules(lcms2 REQUIRED IMPORTED_TARGET lcms2)
 pkg_check_modules(serialport REQUIRED IMPORTED_TARGET libserialport)
 # Its .pc file needs that of libusb, which its package does not bring.
 pkg_check_modules(aravis REQUIRED IMPORTED_TARGET aravis-0.8)

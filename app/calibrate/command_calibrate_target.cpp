@@ -12,6 +12,7 @@
 #include "app/output_folder.h"
 #include "base/file.h"
 #include "base/format.h"
+#include "base/printable.h"
 #include "calib/calibrate/placement/picked_points.h"
 #include "calib/calibrate/placement/placement.h"
 #include "calib/calibrate/placement/report.h"
@@ -114,13 +115,13 @@ int CalibrateTarget(const PlacingArguments& arguments) {
   const auto placed = placement::PlaceTarget(*calibration, shape, observed->views, picked, options);
   std::vector<std::string> remarks = observed->remarks;
   if (!placed) {
-    for (const std::string& remark : remarks) std::cerr << "remark: " << remark << "\n";
+    for (const std::string& remark : remarks) std::cerr << "remark: " << Printable(remark) << "\n";
     return Fail(placed.error());
   }
   remarks.insert(remarks.end(), placed->remarks.begin(), placed->remarks.end());
   status = WriteAll(*calibration, shape, *observed, *placed, remarks, arguments.out);
   if (!status) return Fail(status.error());
-  for (const std::string& remark : remarks) std::cout << "remark: " << remark << "\n";
+  for (const std::string& remark : remarks) std::cout << "remark: " << Printable(remark) << "\n";
   std::cout << placement::Verdict(*placed, observed->views, calibration->length_unit)
             << (fs::path(arguments.out) / "rig-calibration.json").string()
             << ": X_AT with its covariance" << std::endl;

@@ -66,15 +66,18 @@ Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
   return chosen;
 }
 
-model::KeyframeSource FramesOf(const rig::Session& session, std::vector<std::size_t> chosen) {
+// facts receives what the files say, each frame's as it is read.
+model::KeyframeSource FramesOf(const rig::Session& session, std::vector<std::size_t> chosen,
+                               std::shared_ptr<std::vector<rig::PictureFacts>> facts) {
   model::KeyframeSource out;
   for (const std::size_t i : chosen)
     out.poses.push_back({session.frames[i].X_WC, session.frames[i].X_WT});
   const auto shared = std::make_shared<const rig::Session>(session);
-  out.read = [shared, chosen = std::move(chosen)](std::size_t k) -> Result<model::Keyframe> {
+  out.read = [shared, chosen = std::move(chosen), facts](std::size_t k) -> Result<model::Keyframe> {
     const rig::FrameRecord& frame = shared->frames[chosen[k]];
     const auto images = rig::ReadFrameImages(*shared, chosen[k]);
     if (!images) return Forward(images);
+    (*facts)[k] = images->facts;
     return model::Keyframe{calib::Linearise(images->image, shared->radiometry, frame.exposure),
                            images->mask, frame.X_WC, frame.X_WT};
   };
@@ -143,6 +146,8 @@ struct Loaded {
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
   std::vector<std::string> repairs;  // of the mesh
+  // Of the frames chosen; filled in as they are read.
+  std::shared_ptr<std::vector<rig::PictureFacts>> facts;
 };
 
 Result<Loaded> Load(const std::filesystem::path& folder, const Options& options) {
@@ -156,7 +161,8 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   std::vector<std::string> repairs;
   auto shape = rig::ReadTarget(*session, &repairs);
   if (!shape) return Forward(shape);
-  model::KeyframeSource keyframes = FramesOf(*session, *chosen);
+  auto facts = std::make_shared<std::vector<rig::PictureFacts>>(chosen->size());
+  model::KeyframeSource keyframes = FramesOf(*session, *chosen, facts);
   target::Geometry geometry(std::move(*shape));
   if (const Status status = CheckFits(*session, keyframes, geometry, options); !status)
     return Forward(status);
@@ -165,7 +171,7 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   if (*closure && options.on_closure) options.on_closure(**closure);
   return Loaded{std::move(*session),  std::move(*calibration), std::move(*chosen),
                 std::move(keyframes), std::move(geometry),     std::move(*closure),
-                std::move(repairs)};
+                std::move(repairs),          std::move(facts)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
@@ -222,10 +228,11 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const calib::RayGrid
 // The same without some of the keyframes.
 Loaded Without(const Loaded& loaded, const std::vector<std::size_t>& views) {
   Loaded out{loaded.session, loaded.calibration, {}, {}, target::Geometry(loaded.geometry.shape()),
-             loaded.closure, loaded.repairs};
+             loaded.closure, loaded.repairs, nullptr};
   for (std::size_t k = 0; k < loaded.chosen.size(); ++k)
     if (!std::binary_search(views.begin(), views.end(), k)) out.chosen.push_back(loaded.chosen[k]);
-  out.keyframes = FramesOf(loaded.session, out.chosen);
+  out.facts = std::make_shared<std::vector<rig::PictureFacts>>(out.chosen.size());
+  out.keyframes = FramesOf(loaded.session, out.chosen, out.facts);
   return out;
 }
 
@@ -284,6 +291,13 @@ Result<EstimateOutput> EstimateChecked(Loaded& loaded, const Options& options, S
                   : std::move(output);
 }
 
+// Where there is no estimate, what the pictures say may be why.
+Error WithNotes(Error error, const std::vector<rig::PictureNote>& notes) {
+  if (error.kind != ErrorKind::kNoEstimate) return error;
+  for (const rig::PictureNote& note : notes) error.text += ". Besides: " + note.text;
+  return error;
+}
+
 }  // namespace
 
 Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
@@ -294,8 +308,11 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   if (!loaded) return Forward(loaded);
   const double load_s = stopwatch.Seconds();
   auto output = EstimateChecked(*loaded, options, stages);
-  if (!output) return Forward(output);
+  auto notes = rig::PictureNotes(loaded->session.radiometry, *loaded->facts);
+  if (!output) return tl::unexpected(WithNotes(output.error(), notes));
   stages.End();
+  for (rig::PictureNote& note : notes)
+    output->estimate.notes.push_back({std::move(note.code), std::move(note.text)});
   if (loaded->closure && !loaded->closure->closed)
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});
   for (const std::string& repair : loaded->repairs)

@@ -135,15 +135,12 @@ struct ComparedPictures {
 };
 
 Result<std::optional<cv::Mat1b>> ReadOptionalMask(const Session& session,
-                                                  const std::optional<std::string>& path) {
+                                                  const std::optional<std::string>& path,
+                                                  cv::Size size) {
   if (!path) return std::optional<cv::Mat1b>();
-  const auto picture = ReadImage(session.root / *path);
-  if (!picture) return Forward(picture);
-  std::vector<cv::Mat> channels;
-  cv::split(*picture, channels);
-  cv::Mat1b mask(picture->size(), uchar{0});
-  for (const cv::Mat& channel : channels) mask |= channel != 0;
-  return std::optional(mask);
+  auto mask = ReadMask(session.root / *path, size);
+  if (!mask) return Forward(mask);
+  return std::optional(std::move(*mask));
 }
 
 Result<ComparedPictures> ReadAndCompare(const Session& a, const Session& b, FramePair pair) {
@@ -160,13 +157,13 @@ Result<ComparedPictures> ReadAndCompare(const Session& a, const Session& b, Fram
   }
   cv::Mat1b valid(image_a->size(), uchar{255});
   for (const auto& [session, frame] : {std::pair(&a, &frame_a), {&b, &frame_b}}) {
-    const auto validity = ReadOptionalMask(*session, frame->validity);
+    const auto validity = ReadOptionalMask(*session, frame->validity, valid.size());
     if (!validity) return Forward(validity);
     if (*validity) valid &= **validity;
   }
-  const auto mask_a = ReadOptionalMask(a, frame_a.mask);
+  const auto mask_a = ReadOptionalMask(a, frame_a.mask, valid.size());
   if (!mask_a) return Forward(mask_a);
-  const auto mask_b = ReadOptionalMask(b, frame_b.mask);
+  const auto mask_b = ReadOptionalMask(b, frame_b.mask, valid.size());
   if (!mask_b) return Forward(mask_b);
   if (*mask_a && *mask_b)
     compared.mask_share = static_cast<double>(cv::countNonZero(**mask_a != **mask_b)) /

@@ -9,6 +9,7 @@
 #include <ImfOutputFile.h>
 #include <ImfVersion.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
@@ -100,23 +101,25 @@ Status CheckAttributes(std::string_view rest, const std::string& file) {
   }
 }
 
-// The channels in the order they are stored in memory: R, G, B, or Y.
+// The channels in the order they are stored in memory: R, G, B, or Y; of masks, A behind them.
 Result<std::vector<std::string>> CheckChannels(const Imf::ChannelList& list,
-                                               const std::string& file) {
+                                               const std::string& file, PictureUse use) {
   std::vector<std::string> names;
-  std::size_t count = 0;
-  for (auto channel = list.begin(); channel != list.end(); ++channel, ++count) {
+  for (auto channel = list.begin(); channel != list.end(); ++channel) {
     names.emplace_back(channel.name());
     if (channel.channel().type == Imf::UINT || channel.channel().xSampling != 1 ||
         channel.channel().ySampling != 1)
       return InputError(file + ": OpenEXR channel " + channel.name() +
                         " is of whole numbers or sub-sampled, allowed are half and float");
   }
-  if (count == 1 && list.findChannel("Y")) return std::vector<std::string>{"Y"};
-  if (count == 3 && list.findChannel("R") && list.findChannel("G") && list.findChannel("B"))
-    return std::vector<std::string>{"R", "G", "B"};
-  return InputError(file + ": " + std::to_string(count) + " OpenEXR channels (" + Listed(names) +
-                    "), allowed are Y, and R, G, B");
+  std::vector<std::vector<std::string>> allowed{{"Y"}, {"R", "G", "B"}};
+  if (use == PictureUse::kMask) allowed.insert(allowed.end(), {{"Y", "A"}, {"R", "G", "B", "A"}});
+  for (const std::vector<std::string>& channels : allowed)
+    if (std::is_permutation(names.begin(), names.end(), channels.begin(), channels.end()))
+      return channels;
+  return InputError(file + ": " + std::to_string(names.size()) + " OpenEXR channels (" +
+                    Listed(names) + "), allowed are Y, and R, G, B" +
+                    (use == PictureUse::kMask ? ", with or without A" : ""));
 }
 
 // Where the library reads or writes each channel of a CV_32F picture whose top-left pixel is the
@@ -132,7 +135,8 @@ Imf::FrameBuffer BufferOf(const cv::Mat& image, const Imath::Box2i& window,
 
 }  // namespace
 
-Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected) {
+Result<Picture> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected,
+                          PictureUse use) {
   if (const Status status = CheckAttributes(bytes, file); !status) return Forward(status);
   MemoryReader stream(bytes, file);
   Imf::InputFile input(stream, 0);
@@ -140,11 +144,11 @@ Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv:
   if (window != input.header().displayWindow())
     return InputError(file + ": the OpenEXR data window differs from its display window, allowed" +
                       " is a whole picture");
-  const auto channels = CheckChannels(input.header().channels(), file);
+  const auto channels = CheckChannels(input.header().channels(), file, use);
   if (!channels) return Forward(channels);
   const ImageHeader header{std::int64_t{window.max.x} - window.min.x + 1,
                            std::int64_t{window.max.y} - window.min.y + 1,
-                           static_cast<std::int64_t>(channels->size() * sizeof(float))};
+                           static_cast<std::int64_t>(channels->size() * 8 * sizeof(float))};
   const Status status = CheckImageHeader(header, file, expected, bytes.size());
   if (!status) return Forward(status);
   if (!input.isComplete()) return InputError(file + ": truncated OpenEXR: some rows are missing");
@@ -152,7 +156,7 @@ Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv:
                 CV_32FC(static_cast<int>(channels->size())));
   input.setFrameBuffer(BufferOf(image, window, *channels));
   input.readPixels(window.min.y, window.max.y);
-  return image;
+  return Picture{std::move(image), {}};
 }
 
 Result<std::string> EncodeExr(const cv::Mat& image, const std::string& file) {

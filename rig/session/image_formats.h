@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "rig/session/image_file.h"
 
 namespace turnlight::rig {
 
@@ -13,7 +14,14 @@ namespace turnlight::rig {
 struct ImageHeader {
   std::int64_t width = 0;
   std::int64_t height = 0;
-  std::int64_t bytes_per_pixel = 1;
+  std::int64_t bits_per_pixel = 8;  // as stored, before compression
+};
+
+// What a picture is read for.
+enum class PictureUse {
+  kFrame,  // every value counts: grey or R, G, B, as stored
+  kMask,   // any form in which programs store masks: few bits, palettes, alpha, which come as the
+           // last channel of 2 or 4
 };
 
 // Refuses a size other than expected (if not empty), more than 2^28 pixels, and a picture that
@@ -22,9 +30,12 @@ struct ImageHeader {
 Status CheckImageHeader(const ImageHeader& header, const std::string& file, cv::Size expected,
                         std::size_t file_bytes);
 
-Result<cv::Mat> DecodePng(const std::string& bytes, const std::string& file, cv::Size expected);
-Result<cv::Mat> DecodeTiff(const std::string& bytes, const std::string& file, cv::Size expected);
-Result<cv::Mat> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected);
+Result<Picture> DecodePng(const std::string& bytes, const std::string& file, cv::Size expected,
+                          PictureUse use);
+Result<Picture> DecodeTiff(const std::string& bytes, const std::string& file, cv::Size expected,
+                           PictureUse use);
+Result<Picture> DecodeExr(const std::string& bytes, const std::string& file, cv::Size expected,
+                          PictureUse use);
 
 // image: 1 or 3 channels (R, G, B) of a depth that the format has.
 Result<std::string> EncodePng(const cv::Mat& image, const std::string& file);

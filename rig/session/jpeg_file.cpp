@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "rig/session/image_formats.h"
+#include "rig/session/picture_claims.h"
 
 namespace turnlight::rig {
 namespace {
@@ -81,33 +82,10 @@ bool ReadRows(Reader& reader, unsigned char* rows, std::size_t step) {
   return true;
 }
 
-// A number of a TIFF's bytes, of either order; 0 beyond their end.
-unsigned TiffNumber(std::string_view tiff, std::size_t at, int count) {
-  const bool little = tiff.starts_with("II");
-  unsigned value = 0;
-  for (int i = 0; i < count; ++i) {
-    const std::size_t place = at + static_cast<std::size_t>(little ? count - 1 - i : i);
-    if (place >= tiff.size()) return 0;
-    value = value << 8 | static_cast<unsigned char>(tiff[place]);
-  }
-  return value;
-}
-
 // The orientation in an EXIF marker's bytes; 1 if there is none.
 int ExifOrientation(std::string_view exif) {
   constexpr std::string_view kBegin("Exif\0\0", 6);
-  constexpr unsigned kOrientationTag = 0x0112;
-  if (!exif.starts_with(kBegin)) return 1;
-  const std::string_view tiff = exif.substr(kBegin.size());
-  const std::size_t folder = TiffNumber(tiff, 4, 4);
-  const unsigned entries = TiffNumber(tiff, folder, 2);
-  for (unsigned i = 0; i < entries; ++i) {
-    const std::size_t entry = folder + 2 + std::size_t{12} * i;
-    if (TiffNumber(tiff, entry, 2) != kOrientationTag) continue;
-    const unsigned value = TiffNumber(tiff, entry + 8, 2);
-    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
-  }
-  return 1;
+  return exif.starts_with(kBegin) ? ReadExif(exif.substr(kBegin.size())).orientation : 1;
 }
 
 Result<JpegPicture> Decode(Reader& reader, const std::string& bytes, const std::string& file,
@@ -117,7 +95,7 @@ Result<JpegPicture> Decode(Reader& reader, const std::string& bytes, const std::
   };
   if (!ReadHeader(reader, channels)) return damaged();
   const auto& jpeg = reader.jpeg;
-  const ImageHeader header{jpeg.image_width, jpeg.image_height, 1};
+  const ImageHeader header{jpeg.image_width, jpeg.image_height, 8};
   if (const Status status = CheckImageHeader(header, file, {}, bytes.size()); !status)
     return Forward(status);
   if (jpeg.num_components != 1 && jpeg.num_components != 3)

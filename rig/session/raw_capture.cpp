@@ -173,12 +173,14 @@ Result<cv::Mat> ReadRawImage(const RawCapture& capture, std::size_t frame, Mosai
   const auto located = Locate(capture.root, PathOf(capture, frame));
   if (!located) return Forward(located);
   try {
-    auto image = ReadNamedImage(*located, "frames/" + std::to_string(frame) + "/sha256",
-                                capture.frames[frame].sha256, capture.devices.resolution);
-    if (!image || !capture.bayer || mosaic == Mosaic::kAsRecorded) return image;
-    const Status status = Demosaic(*capture.bayer, located->string(), *image);
-    if (!status) return Forward(status);
-    return image;
+    auto picture = ReadNamedPicture(*located, "frames/" + std::to_string(frame) + "/sha256",
+                                    capture.frames[frame].sha256, capture.devices.resolution);
+    if (!picture) return Forward(picture);
+    if (capture.bayer && mosaic != Mosaic::kAsRecorded) {
+      const Status status = Demosaic(*capture.bayer, located->string(), picture->image);
+      if (!status) return Forward(status);
+    }
+    return std::move(picture->image);
   } catch (const std::exception& error) {  // of OpenCV: no memory
     return SystemError(located->string() + ": " + error.what());
   }

@@ -14,16 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<cv::Mat1b> ReadMask(const fs::path& file, cv::Size size) {
-  const auto picture = ReadImage(file, size);
-  if (!picture) return Forward(picture);
-  std::vector<cv::Mat> channels;
-  cv::split(*picture, channels);
-  cv::Mat1b mask(size, 0);
-  for (const cv::Mat& channel : channels) mask |= channel != 0;
-  return mask;
-}
-
 Result<FrameImages> ReadFrame(const Session& session, std::size_t index) {
   const FrameRecord& frame = session.frames[index];
   const std::string key = "frames/" + std::to_string(index) + "/";
@@ -31,13 +21,11 @@ Result<FrameImages> ReadFrame(const Session& session, std::size_t index) {
 
   const auto file = Locate(session.root, {key + "image", frame.image});
   if (!file) return Forward(file);
-  auto image = ReadNamedImage(*file, key + "sha256", frame.sha256, size);
-  if (!image) return Forward(image);
-  FrameImages images{std::move(*image), cv::Mat1b(size, 255)};
-  if (session.bayer) {
-    const Status status = Demosaic(*session.bayer, file->string(), images.image);
-    if (!status) return Forward(status);
-  }
+  auto picture = ReadNamedPicture(*file, key + "sha256", frame.sha256, size);
+  if (!picture) return Forward(picture);
+  FrameImages images{std::move(picture->image), cv::Mat1b(size, 255), {}};
+  images.facts.file = frame.image;
+  images.facts.claims = std::move(picture->claims);
   for (const auto& [name, path] : {std::pair("mask", frame.mask), {"validity", frame.validity}}) {
     if (!path) continue;
     const auto mask_file = Locate(session.root, {key + name, *path});
@@ -48,6 +36,11 @@ Result<FrameImages> ReadFrame(const Session& session, std::size_t index) {
     if (cv::countNonZero(images.mask) == 0)
       return InputError(mask_file->string() + ": the " + name +
                         " leaves no pixel, allowed is at least one non-zero pixel");
+  }
+  images.facts.levels = MeasureLevels(images.image, images.mask);
+  if (session.bayer) {
+    const Status status = Demosaic(*session.bayer, file->string(), images.image);
+    if (!status) return Forward(status);
   }
   return images;
 }

@@ -16,6 +16,7 @@
 #include "calib/pose.h"
 #include "calib/radiometry.h"
 #include "calib/target_shape.h"
+#include "rig/session/picture_notes.h"
 
 namespace turnlight::rig {
 
@@ -70,11 +71,13 @@ Status WriteSession(const Session& session, const std::filesystem::path& root,
 
 // One frame, decoded. image: R, G, B or grey, CV_8U, CV_16U or CV_32F, of the camera's size. mask:
 // 255 = target and valid, else 0 (whole picture if the frame has neither mask nor validity). Bayer
-// mosaics are demosaiced. Fails (kInput): checksum mismatch, damaged file, wrong size, channels, an
-// all-zero mask.
+// mosaics are demosaiced. facts: what the picture's file says of itself, and its levels before
+// demosaicing. Fails (kInput): checksum mismatch, damaged file, wrong size, channels, an all-zero
+// mask.
 struct FrameImages {
   cv::Mat image;
   cv::Mat1b mask;
+  PictureFacts facts;
 };
 Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame);
 

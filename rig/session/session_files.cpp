@@ -82,15 +82,15 @@ Result<fs::path> Locate(const fs::path& root, const NamedPath& named) {
   return root / named.path;
 }
 
-Result<cv::Mat> ReadNamedImage(const fs::path& file, const std::string& key,
-                               const std::optional<std::string>& sha256, cv::Size size) {
+Result<Picture> ReadNamedPicture(const fs::path& file, const std::string& key,
+                                 const std::optional<std::string>& sha256, cv::Size size) {
   const auto bytes = ReadFile(file);
   if (!bytes) return Forward(bytes);
   const std::string is = sha256 ? Sha256Hex(*bytes) : std::string();
   if (sha256 && is != *sha256)
     return InputError(file.string() + ": the file changed: its SHA-256 is " + is + ", " + key +
                       " is " + *sha256);
-  return DecodeImage(*bytes, file, size);
+  return DecodePicture(*bytes, file, size);
 }
 
 Result<ParsedSession> LoadSession(const fs::path& root) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "rig/session/image_file.h"
 #include "rig/session/session.h"
 #include "rig/session/session_json.h"
 
@@ -32,8 +33,8 @@ Result<std::filesystem::path> Locate(const std::filesystem::path& root, const Na
 
 // A located picture, decoded as image_file.h says; size is checked if it is not empty. Fails
 // (kInput) too if its bytes are not those of sha256, which key names.
-Result<cv::Mat> ReadNamedImage(const std::filesystem::path& file, const std::string& key,
-                               const std::optional<std::string>& sha256, cv::Size size);
+Result<Picture> ReadNamedPicture(const std::filesystem::path& file, const std::string& key,
+                                 const std::optional<std::string>& sha256, cv::Size size);
 
 // session.json, with everything that is wrong with its text, and the camera model. Fails if there
 // is no session.json.

@@ -2,156 +2,167 @@
 #include <tiffio.h>
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
-#include <cstring>
-#include <memory>
+#include <optional>
+#include <vector>
 
 #include "rig/session/image_formats.h"
+#include "rig/session/tiff_layout.h"
+#include "rig/session/tiff_memory.h"
+#include "rig/session/tiff_samples.h"
 
 namespace turnlight::rig {
 namespace {
 
-// The bytes behind an open TIFF, and the first complaint of the library about them.
-struct Memory {
-  std::string bytes;
-  std::size_t position = 0;
-  std::string complaint;
+// One open file being decoded.
+struct TiffSource {
+  TIFF* tiff;
+  const TiffMemory& memory;
+  const std::string& file;
 };
 
-Memory& MemoryOf(thandle_t handle) { return *static_cast<Memory*>(handle); }
-
-tmsize_t ReadBytes(thandle_t handle, void* buffer, tmsize_t count) {
-  Memory& memory = MemoryOf(handle);
-  if (count <= 0 || memory.position >= memory.bytes.size()) return 0;
-  const std::size_t n =
-      std::min(static_cast<std::size_t>(count), memory.bytes.size() - memory.position);
-  std::memcpy(buffer, memory.bytes.data() + memory.position, n);
-  memory.position += n;
-  return static_cast<tmsize_t>(n);
-}
-
-tmsize_t WriteBytes(thandle_t handle, void* buffer, tmsize_t count) {
-  Memory& memory = MemoryOf(handle);
-  const std::size_t end = memory.position + static_cast<std::size_t>(count);
-  if (end > memory.bytes.size()) memory.bytes.resize(end, '\0');
-  std::memcpy(memory.bytes.data() + memory.position, buffer, static_cast<std::size_t>(count));
-  memory.position = end;
-  return count;
-}
-
-toff_t Seek(thandle_t handle, toff_t offset, int whence) {
-  Memory& memory = MemoryOf(handle);
-  const std::size_t base = whence == SEEK_SET   ? 0
-                           : whence == SEEK_CUR ? memory.position
-                                                : memory.bytes.size();
-  memory.position = base + offset;
-  return memory.position;
-}
-
-int Close(thandle_t) { return 0; }
-toff_t Size(thandle_t handle) { return MemoryOf(handle).bytes.size(); }
-
-int KeepComplaint(TIFF*, void* user_data, const char*, const char* format, va_list arguments) {
-  Memory& memory = MemoryOf(user_data);
-  char text[256];
-  std::vsnprintf(text, sizeof text, format, arguments);
-  if (memory.complaint.empty()) memory.complaint = text;
-  return 1;
-}
-int Silence(TIFF*, void*, const char*, const char*, va_list) { return 1; }
-
-using TiffHandle = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
-
-TiffHandle Open(Memory& memory, const char* mode) {
-  TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-  // A hostile directory may ask for any amount; nothing we read needs more than the file and a row.
-  TIFFOpenOptionsSetMaxSingleMemAlloc(
-      options, static_cast<tmsize_t>(memory.bytes.size()) + (tmsize_t{1} << 26));
-  TIFFOpenOptionsSetErrorHandlerExtR(options, KeepComplaint, &memory);
-  TIFFOpenOptionsSetWarningHandlerExtR(options, Silence, nullptr);
-  TIFF* tiff = TIFFClientOpenExt("", mode, &memory, ReadBytes, WriteBytes, Seek, Close, Size,
-                                 nullptr, nullptr, options);
-  TIFFOpenOptionsFree(options);
-  return {tiff, TIFFClose};
-}
-
-template <typename T>
-T Field(TIFF* tiff, ttag_t tag, T otherwise) {
-  T value = otherwise;
-  return TIFFGetFieldDefaulted(tiff, tag, &value) ? value : otherwise;
-}
-
-tl::unexpected<Error> Damaged(const std::string& file, const Memory& memory) {
-  return InputError(file + ": damaged or truncated TIFF: " + memory.complaint);
-}
-
-// How the pixels are laid out; fails when that is not plain rows of grey or RGB.
-struct Layout {
-  int depth = CV_8U;
-  int channels = 1;
+// The channels of a page that are stored together, into those of the picture from `channel` on.
+struct TiffPlane {
+  std::uint16_t stored = 0;  // which of the page's planes
+  int channel = 0, channels = 1;
 };
 
-Result<Layout> CheckLayout(TIFF* tiff, const std::string& file) {
-  const int channels = Field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
-  const int bits = Field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
-  const int format = Field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
-  const int photometric = Field<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC, 0xffff);
-  const int compression = Field<std::uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  if (channels != 1 && channels != 3)
-    return InputError(file + ": " + std::to_string(channels) +
-                      " channels, allowed are 1 (grey) and 3 (RGB)");
-  if (photometric != (channels == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB))
-    return InputError(file + ": TIFF photometric interpretation " + std::to_string(photometric) +
-                      ", allowed are 1 (grey, black is 0) and 2 (RGB)");
-  const bool whole = format == SAMPLEFORMAT_UINT && (bits == 8 || bits == 16);
-  if (!whole && !(format == SAMPLEFORMAT_IEEEFP && bits == 32))
-    return InputError(file + ": TIFF samples of " + std::to_string(bits) + " bits and format " +
-                      std::to_string(format) +
-                      ", allowed are 8 and 16 bits unsigned (1) and 32 bits float (3)");
-  if (compression != COMPRESSION_NONE && compression != COMPRESSION_LZW &&
-      compression != COMPRESSION_DEFLATE && compression != COMPRESSION_ADOBE_DEFLATE &&
-      compression != COMPRESSION_PACKBITS)
-    return InputError(file + ": TIFF compression " + std::to_string(compression) +
-                      ", allowed are none, LZW, deflate and PackBits");
-  if (TIFFIsTiled(tiff) ||
-      (channels > 1 && Field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) !=
-                           PLANARCONFIG_CONTIG) ||
-      Field<std::uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) != ORIENTATION_TOPLEFT)
-    return InputError(file +
-                      ": a tiled, planar or turned TIFF, allowed are rows from the top left" +
-                      " with the channels side by side");
-  return Layout{bits == 8 ? CV_8U : bits == 16 ? CV_16U : CV_32F, channels};
+Status ReadRows(const TiffSource& source, const TiffLayout& layout, const TiffPlane& plane,
+                cv::Mat& image) {
+  const tmsize_t row_bytes = TIFFScanlineSize(source.tiff);
+  const std::int64_t needed = (std::int64_t{image.cols} * plane.channels * layout.bits + 7) / 8;
+  if (row_bytes != needed)
+    return InputError(source.file + ": damaged TIFF: its rows are not width times channels long");
+  std::vector<unsigned char> row(static_cast<std::size_t>(row_bytes));
+  for (int y = 0; y < image.rows; ++y) {
+    if (TIFFReadScanline(source.tiff, row.data(), static_cast<std::uint32_t>(y), plane.stored) != 1)
+      return DamagedTiff(source.file, source.memory);
+    const TiffPlace place{0, y, image.cols, plane.channel, plane.channels};
+    if (Status status = StoreSamples(layout, row.data(), place, source.file, image); !status)
+      return status;
+  }
+  return {};
+}
+
+Status ReadTiles(const TiffSource& source, const TiffLayout& layout, const TiffPlane& plane,
+                 cv::Mat& image) {
+  const auto width = TiffField<std::uint32_t>(source.tiff, TIFFTAG_TILEWIDTH, 0);
+  const auto height = TiffField<std::uint32_t>(source.tiff, TIFFTAG_TILELENGTH, 0);
+  constexpr std::uint32_t kMostTile = 1 << 15;
+  if (width < 1 || height < 1 || width > kMostTile || height > kMostTile)
+    return InputError(source.file + ": damaged TIFF: its tiles are " + std::to_string(width) +
+                      " x " + std::to_string(height) + " pixels");
+  const std::int64_t row_bytes = (std::int64_t{width} * plane.channels * layout.bits + 7) / 8;
+  const auto whole = static_cast<std::int64_t>(image.total() * image.elemSize());
+  if (TIFFTileRowSize(source.tiff) != row_bytes ||
+      TIFFTileSize(source.tiff) != row_bytes * height ||
+      row_bytes * height > whole + (std::int64_t{1} << 26))
+    return InputError(source.file + ": damaged TIFF: its tiles are not width times channels long");
+  std::vector<unsigned char> tile(static_cast<std::size_t>(row_bytes * height));
+  const int tile_width = static_cast<int>(width), tile_height = static_cast<int>(height);
+  for (int y0 = 0; y0 < image.rows; y0 += tile_height)
+    for (int x0 = 0; x0 < image.cols; x0 += tile_width) {
+      if (TIFFReadTile(source.tiff, tile.data(), static_cast<std::uint32_t>(x0),
+                       static_cast<std::uint32_t>(y0), 0, plane.stored) < 0)
+        return DamagedTiff(source.file, source.memory);
+      const int columns = std::min(tile_width, image.cols - x0);
+      for (int y = y0; y < std::min(y0 + tile_height, image.rows); ++y) {
+        const TiffPlace place{x0, y, columns, plane.channel, plane.channels};
+        const Status status =
+            StoreSamples(layout, tile.data() + row_bytes * (y - y0), place, source.file, image);
+        if (!status) return status;
+      }
+    }
+  return {};
+}
+
+// The current page into the picture's channels from `channel` on.
+Status ReadPage(const TiffSource& source, const TiffLayout& layout, int channel, cv::Mat& image) {
+  const int planes = layout.planes ? layout.channels : 1;
+  for (int i = 0; i < planes; ++i) {
+    const TiffPlane plane{static_cast<std::uint16_t>(i), channel + i,
+                          layout.planes ? 1 : layout.channels};
+    const Status status = TIFFIsTiled(source.tiff) ? ReadTiles(source, layout, plane, image)
+                                                   : ReadRows(source, layout, plane, image);
+    if (!status) return status;
+  }
+  return {};
+}
+
+// What the first page says of its values.
+std::optional<TransferClaim> TransferOf(TIFF* tiff, const TiffLayout& layout,
+                                        const std::string& bytes) {
+  if (layout.sample == TiffSample::kLogLuv || layout.sample == TiffSample::kLogL)
+    return TransferClaim{Transfer::kLinear, 1.0, "its compression (LogLuv)"};
+  std::uint32_t count = 0;
+  const void* profile = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &count, &profile) == 1)
+    if (auto claim = IccClaim({static_cast<const char*>(profile), std::size_t{count}}))
+      return claim;
+  const std::uint16_t *red = nullptr, *green = nullptr, *blue = nullptr;
+  if (layout.sample == TiffSample::kUnsigned && layout.bits >= 8 && layout.bits <= 16 &&
+      TIFFGetField(tiff, TIFFTAG_TRANSFERFUNCTION, &red, &green, &blue) == 1) {
+    constexpr std::size_t kSteps = 64;
+    const std::size_t last = (std::size_t{1} << layout.bits) - 1;
+    std::vector<double> samples;
+    for (std::size_t i = 0; i <= kSteps; ++i) {
+      const std::size_t at = i * last / kSteps;
+      samples.push_back(red[at] / 65535.0);
+    }
+    return CurveClaim(samples, "the TIFF's TransferFunction tag");
+  }
+  if (ReadExif(bytes).srgb) return TransferClaim{Transfer::kSrgb, 2.2, "EXIF's ColorSpace (1)"};
+  return {};
 }
 
 }  // namespace
 
-Result<cv::Mat> DecodeTiff(const std::string& bytes, const std::string& file, cv::Size expected) {
-  Memory memory{bytes, 0, {}};
-  const TiffHandle tiff = Open(memory, "rm");
-  if (!tiff) return Damaged(file, memory);
-  const auto width = Field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGEWIDTH, 0);
-  const auto height = Field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGELENGTH, 0);
-  const auto layout = CheckLayout(tiff.get(), file);
-  if (!layout) return Forward(layout);
-  const int type = CV_MAKETYPE(layout->depth, layout->channels);
-  const Status status =
-      CheckImageHeader({width, height, CV_ELEM_SIZE(type)}, file, expected, bytes.size());
-  if (!status) return Forward(status);
-  cv::Mat image(static_cast<int>(height), static_cast<int>(width), type);
-  if (TIFFScanlineSize(tiff.get()) != static_cast<tmsize_t>(width * image.elemSize()))
-    return InputError(file + ": damaged TIFF: its rows are not width times channels long");
-  for (int row = 0; row < image.rows; ++row)
-    if (TIFFReadScanline(tiff.get(), image.ptr(row), static_cast<std::uint32_t>(row), 0) != 1)
-      return Damaged(file, memory);
-  return image;
+Result<Picture> DecodeTiff(const std::string& bytes, const std::string& file, cv::Size expected,
+                           PictureUse use) {
+  TiffMemory memory{bytes, 0, {}};
+  const TiffHandle tiff = OpenTiff(memory, "rm");
+  if (!tiff) return DamagedTiff(file, memory);
+  const TiffSource source{tiff.get(), memory, file};
+  const auto pages = PagesOfPicture(tiff.get(), file);
+  if (!pages) return Forward(pages);
+  if (!memory.complaint.empty()) return DamagedTiff(file, memory);  // a page that cannot be read
+  Picture picture;
+  std::optional<TiffLayout> first;
+  for (std::size_t i = 0; i < pages->size(); ++i) {
+    if (TIFFSetDirectory(tiff.get(), (*pages)[i]) != 1) return DamagedTiff(file, memory);
+    const auto layout = LayoutOfPage(tiff.get(), file, use);
+    if (!layout) return Forward(layout);
+    if (i == 0) {
+      first = *layout;
+      const int channels = pages->size() == 1 ? layout->channels : static_cast<int>(pages->size());
+      const ImageHeader header{layout->width, layout->height,
+                               std::int64_t{channels} * layout->bits};
+      const Status status = CheckImageHeader(header, file, expected, bytes.size());
+      if (!status) return Forward(status);
+      if (use == PictureUse::kFrame)
+        picture.claims = {TransferOf(tiff.get(), *layout, bytes), layout->remarks};
+      picture.image.create(static_cast<int>(layout->height), static_cast<int>(layout->width),
+                           CV_MAKETYPE(layout->depth, channels));
+    }
+    if (pages->size() > 1 && (*layout != *first || layout->channels != 1))
+      return InputError(file + ": a TIFF of " + std::to_string(pages->size()) +
+                        " pages that differ in size or kind, allowed as R, G, B are grey pages "
+                        "alike");
+    const Status status = ReadPage(source, *layout, static_cast<int>(i), picture.image);
+    if (!status) return Forward(status);
+    if (use == PictureUse::kMask) ResolveMask(tiff.get(), *layout, picture.image);
+  }
+  if (pages->size() > 1)
+    picture.claims.remarks.emplace_back(
+        "a TIFF of 3 pages, which ImageJ's description names as channels: read as R, G, B");
+  if (first->sample == TiffSample::kLogLuv) ResolveLogLuv(picture.image);
+  return picture;
 }
 
 Result<std::string> EncodeTiff(const cv::Mat& image, const std::string& file) {
   if (image.depth() != CV_8U && image.depth() != CV_16U && image.depth() != CV_32F)
     return InputError(file + ": TIFF is written with 8 and 16 bits and float, not this depth");
-  Memory memory;
-  TiffHandle tiff = Open(memory, "wlm");
+  TiffMemory memory;
+  TiffHandle tiff = OpenTiff(memory, "wlm");
   if (!tiff) return SystemError(file + ": cannot encode the TIFF: " + memory.complaint);
   const bool is_float = image.depth() == CV_32F;
   const bool is_grey = image.channels() == 1;

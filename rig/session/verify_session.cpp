@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <system_error>
 
@@ -16,15 +17,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Everything that is wrong with the files of one frame.
-std::vector<std::string> FrameProblems(const Session& session, std::size_t index) {
+// Everything that is wrong with the files of one frame; without problems, what its picture says.
+std::vector<std::string> FrameProblems(const Session& session, std::size_t index,
+                                       std::optional<PictureFacts>& facts) {
   std::vector<std::string> problems;
   for (const NamedPath& named : PathsOfFrame(session.frames[index], index))
     if (const auto path = Locate(session.root, named); !path) problems.push_back(path.error().text);
   if (!problems.empty()) return problems;
-  const auto images = ReadFrameImages(session, index);
-  if (!images) problems.push_back(images.error().text);
+  auto images = ReadFrameImages(session, index);
+  if (images)
+    facts = std::move(images->facts);
+  else
+    problems.push_back(images.error().text);
   return problems;
+}
+
+void AddPictureRemarks(const Session& session,
+                       const std::vector<std::optional<PictureFacts>>& facts,
+                       std::vector<std::string>& remarks) {
+  std::vector<PictureFacts> read;
+  for (const auto& fact : facts)
+    if (fact) read.push_back(*fact);
+  for (PictureNote& note : PictureNotes(session.radiometry, read))
+    remarks.push_back(std::move(note.text));
 }
 
 // What `sha256sum` prints for all files of a good session, sorted by path.
@@ -144,7 +159,10 @@ Result<VerifyReport> VerifySession(const fs::path& root) {
   report.session_good = report.problems.empty();
 
   std::vector<std::vector<std::string>> problems(session.frames.size());
-  ParallelFor(problems.size(), [&](std::size_t i) { problems[i] = FrameProblems(session, i); });
+  std::vector<std::optional<PictureFacts>> facts(session.frames.size());
+  ParallelFor(problems.size(),
+              [&](std::size_t i) { problems[i] = FrameProblems(session, i, facts[i]); });
+  AddPictureRemarks(session, facts, report.remarks);
   CheckAgainstJournal(session, problems, report.remarks);
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const bool good = problems[i].empty();

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/app/program.h"
+#include "tests/rig/session/png_parts.h"
 
 namespace turnlight::app {
 namespace {
@@ -40,6 +43,33 @@ TEST(Verify, AllFramesBadIsRefused) {
   const Outcome outcome = RunProgram({"verify", folder / "s"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.out, HasSubstr("3 problems, 0 good frames"));
+}
+
+// An estimate has as a note what verify remarks on; where there is none, its refusal says it.
+TEST(Verify, PicturesThatContradictTheSession) {
+  const TemporaryFolder folder;
+  const std::string session = folder / "s";
+  WriteSession(SmallConfig(), session);
+  auto json = nlohmann::ordered_json::parse(ReadText(session + "/session.json"));
+  for (auto& frame : json["frames"]) {
+    frame.erase("sha256");
+    const std::string file = session + "/" + frame["image"].get<std::string>();
+    WriteText(file, rig::WithChunk(ReadText(file), rig::PngChunk("gAMA", rig::BigEndian(45455))));
+  }
+  WriteText(session + "/session.json", json.dump());
+  const std::string said = "3 of 3 pictures, the first is frames/000.png: the gAMA chunk (45455)";
+  const Outcome verify = RunProgram({"verify", session});
+  EXPECT_EQ(verify.exit_code, 0);
+  EXPECT_THAT(verify.out, HasSubstr("remark: " + said));
+  const Outcome estimate = RunProgram({"estimate", session, "--out", folder / "r"});
+  EXPECT_EQ(estimate.exit_code, 0);
+  EXPECT_THAT(estimate.out, HasSubstr("encoding-contradicted: " + said));
+  EXPECT_THAT(ReadText(folder / "r/result.json"), HasSubstr("\"encoding-contradicted\""));
+  json["radiometry"]["black"] = 65000;
+  WriteText(session + "/session.json", json.dump());
+  const Outcome none = RunProgram({"estimate", session, "--out", folder / "none"});
+  EXPECT_EQ(none.exit_code, 5);
+  EXPECT_THAT(none.err, HasSubstr("Besides: " + said));
 }
 
 TEST(Verify, AFolderWithoutASessionSaysWhereItIs) {

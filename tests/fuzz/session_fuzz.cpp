@@ -1,6 +1,6 @@
 // The first byte says what the rest is: '0' a session.json in a folder that is otherwise sound, '1'
-// a PNG, '2' a TIFF, '3' an OpenEXR picture. Refused with a message that names the file, or read
-// into something that keeps its promises.
+// a PNG, '2' a TIFF, '3' an OpenEXR picture, '4' a PNG and '5' a TIFF that are masks. Refused with
+// a message that names the file, or read into something that keeps its promises.
 #include <zlib.h>
 
 #include <cstdint>
@@ -94,17 +94,32 @@ std::string WithPngChecksums(std::string bytes) {
 }
 
 void CheckImage(const std::string& bytes, const std::string& file) {
-  const auto image = DecodeImage(bytes, file);
-  if (!image) {
-    Require(image.error().text.starts_with(file));
+  const auto picture = DecodePicture(bytes, file);
+  if (!picture) {
+    Require(picture.error().text.starts_with(file));
     return;
   }
+  const cv::Mat* const image = &picture->image;
   Require(!image->empty() && (image->channels() == 1 || image->channels() == 3));
   Require(image->depth() == CV_8U || image->depth() == CV_16U || image->depth() == CV_32F);
   cv::Scalar mean = cv::mean(*image);  // touches every pixel
   Require(mean[3] == 0.0);
   Require(DecodeImage(bytes, file, image->size()).has_value());
   Require(!DecodeImage(bytes, file, {image->cols + 1, image->rows}));
+  const PictureFacts facts{file, picture->claims,
+                           MeasureLevels(*image, cv::Mat1b(image->size(), std::uint8_t{255}))};
+  for (const PictureNote& note : PictureNotes({}, {facts}))
+    Require(!note.code.empty() && !note.text.empty());
+}
+
+void CheckMask(const std::string& bytes, const std::string& file) {
+  const auto mask = DecodeMask(bytes, file);
+  if (!mask) {
+    Require(mask.error().text.starts_with(file));
+    return;
+  }
+  Require(!mask->empty() && cv::countNonZero((*mask != 0) & (*mask != 255)) == 0);
+  Require(DecodeMask(bytes, file, mask->size()).has_value());
 }
 
 }  // namespace
@@ -113,7 +128,7 @@ void CheckImage(const std::string& bytes, const std::string& file) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
-  switch (data[0] % 4) {
+  switch (data[0] % 6) {
     case 0:
       turnlight::rig::CheckSession(bytes);
       break;
@@ -123,8 +138,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 2:
       turnlight::rig::CheckImage(bytes, "fuzz.tif");
       break;
-    default:
+    case 3:
       turnlight::rig::CheckImage(bytes, "fuzz.exr");
+      break;
+    case 4:
+      turnlight::rig::CheckMask(turnlight::rig::WithPngChecksums(bytes), "fuzz.png");
+      break;
+    default:
+      turnlight::rig::CheckMask(bytes, "fuzz.tif");
       break;
   }
   return 0;

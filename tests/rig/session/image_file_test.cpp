@@ -9,11 +9,11 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <half.h>
-#include <zlib.h>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/rig/session/fixture.h"
+#include "tests/rig/session/png_parts.h"
 
 namespace turnlight::rig {
 namespace {
@@ -21,23 +21,10 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string BigEndian(std::uint32_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
-  return bytes;
-}
-
 std::string LittleEndian(std::uint64_t value, int count) {
   std::string bytes;
   for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i);
   return bytes;
-}
-
-std::string PngChunk(const std::string& type, const std::string& data) {
-  const std::string checked = type + data;
-  const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size());
-  return BigEndian(static_cast<std::uint32_t>(data.size())) + checked +
-         BigEndian(static_cast<std::uint32_t>(sum));
 }
 
 // A PNG that ends after its header, but for an empty data chunk and the end chunk.
