@@ -1,5 +1,7 @@
 #include "app/command_line.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
@@ -10,6 +12,7 @@
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/outputs.h"
 #include "app/version.h"
 #include "base/nearest.h"
 
@@ -122,10 +125,7 @@ int ParseAndRun(int argc, char** argv) {
   return action();
 }
 
-}  // namespace
-
-int RunCommandLine(int argc, char** argv) {
-  InstallInterruptHandler();
+int RunSafely(int argc, char** argv) {
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::bad_alloc&) {
@@ -133,6 +133,15 @@ int RunCommandLine(int argc, char** argv) {
   } catch (const std::exception& error) {
     return Fail({ErrorKind::kSystem, std::string("unexpected: ") + error.what()});
   }
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  StandardOutput output;
+  InstallInterruptHandler();
+  const OutputWatch watch({STDERR_FILENO}, LoseOutput);
+  return output.End(RunSafely(argc, argv));
 }
 
 }  // namespace turnlight::app

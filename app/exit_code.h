@@ -12,6 +12,7 @@ inline constexpr int kDifferent = 3;   // of `compare`
 inline constexpr int kDeviceFault = 4;
 inline constexpr int kNoEstimate = 5;
 inline constexpr int kInterrupted = 130;
+inline constexpr int kReaderGone = 141;  // all done, but nobody read the whole standard output
 
 // Prints the error on standard error and gives its exit code.
 int Fail(const Error& error);
