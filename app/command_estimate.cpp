@@ -1,10 +1,13 @@
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/frame_list.h"
 #include "app/session_estimate.h"
 #include "estimator/results/model_option.h"
 #include "estimator/results/words.h"
@@ -18,6 +21,7 @@ struct EstimateArguments {
   WriteOptions options;
   std::string method = estimator::results::WordOf(estimator::results::Method::kLeastSquares);
   std::vector<std::string> model;
+  std::optional<std::string> frames;
   bool no_pictures = false;
   bool json = false;
 };
@@ -31,6 +35,11 @@ int EstimateAndPrint(const EstimateArguments& arguments) {
     if (const Status status = estimator::results::ApplyModelOption(option, options.estimate.model);
         !status)
       return Fail(status.error());
+  if (arguments.frames) {
+    auto frames = ParseFrames(*arguments.frames);
+    if (!frames) return Fail(frames.error());
+    options.estimate.frames = std::move(*frames);
+  }
   const auto done = WriteEstimate(arguments.session, arguments.out, options);
   if (!done) return Fail(done.error());
   std::cout << (arguments.json ? done->json : done->summary) << std::flush;
@@ -64,6 +73,11 @@ void AddEstimate(CLI::App& program, Action& action) {
                    "Use N frames spread over the session's F: frames floor(i F / N)")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
+  command
+      ->add_option("--frames", arguments->frames,
+                   "Use these frames: numbers and ranges, counted from 0, such as 0-16,18-35; not "
+                   "with --views")
+      ->type_name("LIST");
   command
       ->add_option("--initial", arguments->options.initial,
                    "Start from the lights of a truth.json or result.json")

@@ -14,6 +14,7 @@
 #include "app/interrupt.h"
 #include "app/outputs.h"
 #include "app/version.h"
+#include "base/format.h"
 #include "base/nearest.h"
 
 namespace turnlight::app {
@@ -101,9 +102,17 @@ std::string FullName(const CLI::App& command) {
                               : command.get_name();
 }
 
+// What is wrong with a line whose words are all known.
+std::string WhatIsWrong(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App& command = Innermost(program);
+  if (CommandNames(command).empty() || !dynamic_cast<const CLI::RequiredError*>(&error))
+    return error.what();
+  return "a command is missing, allowed are " + Listed(CommandNames(command));
+}
+
 int Refuse(const CLI::App& program, const CLI::ParseError& error) {
   const std::string unknown = UnknownWord(program);
-  std::cerr << "turnlight: " << (unknown.empty() ? error.what() : unknown) << "\n"
+  std::cerr << "turnlight: " << (unknown.empty() ? WhatIsWrong(program, error) : unknown) << "\n"
             << FullName(Innermost(program)) << " --help shows what is allowed" << std::endl;
   return kRefused;
 }
@@ -129,9 +138,15 @@ int RunSafely(int argc, char** argv) {
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::bad_alloc&) {
-    return Fail({ErrorKind::kSystem, "not enough memory for this input"});
+    return Fail(
+        {ErrorKind::kSystem,
+         "not enough memory for this input; of a session estimate --frames or --views takes "
+         "fewer pictures"});
   } catch (const std::exception& error) {
-    return Fail({ErrorKind::kSystem, std::string("unexpected: ") + error.what()});
+    return Fail(
+        {ErrorKind::kSystem,
+         std::string("unexpected, and a fault of turnlight: ") + error.what() +
+             "; please report it with this command line and what turnlight --version says"});
   }
 }
 

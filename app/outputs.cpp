@@ -23,8 +23,7 @@ constexpr std::size_t kOutputBytes = 1 << 14;
 // Opened for reading: a write says that it is closed.
 void FillStandardDescriptors() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
-      [[maybe_unused]]
+    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF) [[maybe_unused]]
       const int opened = ::open("/dev/null", O_RDONLY);  // the lowest that is free: this one
 }
 

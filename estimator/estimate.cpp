@@ -1,10 +1,14 @@
 #include "estimator/estimate.h"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "base/format.h"
+#include "base/messages/messages.h"
 #include "base/stopwatch.h"
 #include "estimator/calibration_response.h"
+#include "estimator/determined.h"
 #include "estimator/exposure_level.h"
 #include "estimator/notes.h"
 #include "estimator/observe/observed_scene.h"
@@ -14,44 +18,56 @@
 #include "estimator/residual_maps.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_start.h"
+#include "estimator/view_evidence.h"
 
 namespace turnlight::estimator {
 namespace {
+
+constexpr double kMuchFromBehind = 0.1;  // of what is seen of the target
+constexpr double kRoomForLight = 0.3;    // of white: pictures below it can be exposed longer
 
 // The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
 // scaled back.
 Result<Estimate> EstimateAtLevel(const observe::Observations& all,
                                  const std::vector<cv::Mat>& signatures,
                                  const EstimateOptions& options, double level,
-                                 select::Refined* refined, const CalibrationAsked& calibration) {
+                                 select::Refined* refined, const CalibrationAsked& calibration,
+                                 Evidence evidence) {
   observe::Observations scaled = all;
   Scale(scaled, 1.0 / level);
   std::vector<cv::Mat> scaled_signatures;
   for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
   EstimateOptions scaled_options = options;
   if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
+  evidence.level = level;
   auto estimate = EstimateObservations(scaled, scaled_signatures, scaled_options, nullptr, refined,
-                                       calibration);
+                                       calibration, evidence);
   if (!estimate) return estimate;
   Scale(*estimate, level);
-  estimate->notes.push_back(
-      {"exposure",
-       Format("The brightest radiance is about %.2g of white: decisions, and the numbers in their "
-              "reasons, take that as white.",
-              level)});
+  AddNote("exposure", {{"level", Format("%.2g", level)}}, *estimate);
   if (refined) Scale(refined->solution.scene.reflectance, level);
   return estimate;
 }
 
 // Pictures without a light's share are ambient light alone, unless noise could hide one.
-Status CheckLights(const Estimate& estimate, double noise, double brightest) {
+Status CheckLights(const Estimate& estimate, double noise, double brightest,
+                   const Evidence& evidence) {
   if (!estimate.lights.empty()) return {};
   if (!Unexplained(estimate.rms, noise) && !Noisy(noise, brightest)) return {};
-  return NoEstimateError(
-      Format("no usable estimate: no light explains more of the pictures than ambient light does "
-             "(residual rms %.2g, noise %.2g, brightest radiance %.2g): expose longer, check the "
-             "poses and the masks.",
-             estimate.rms, noise, brightest));
+  const double bright = brightest * evidence.level;
+  const messages::Values values{
+      {"copies", std::to_string(evidence.copies)},
+      {"views", Format("%d pictures", estimate.views)},
+      {"behind", Format("%.0f", 100.0 * evidence.counts.from_behind)},
+      {"rms", Format("%.2g", estimate.rms * evidence.level)},
+      {"noise", Format("%.2g", noise * evidence.level)},
+      {"share", Format("%.0f", 100.0 * noise / std::max(brightest, 1e-300))},
+      {"bright", Format("%.2g", bright)}};
+  if (evidence.copies > 0) return messages::Refuse("no-light/copies", values);
+  if (evidence.counts.from_behind > kMuchFromBehind)
+    return messages::Refuse("no-light/from-behind", values);
+  if (!Noisy(noise, brightest)) return messages::Refuse("no-light/unexplained", values);
+  return messages::Refuse(bright < kRoomForLight ? "no-light/dark" : "no-light/noisy", values);
 }
 
 start::Start StartOf(const observe::Observations& all, double noise,
@@ -76,8 +92,8 @@ model::Scene Estimate::ToScene() const {
 Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, observe::IntensityMap* map,
-                                      select::Refined* refined,
-                                      const CalibrationAsked& calibration) {
+                                      select::Refined* refined, const CalibrationAsked& calibration,
+                                      const Evidence& evidence) {
   const Stopwatch stopwatch;
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -85,8 +101,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   observe::IntensityMap& used_map = map ? *map : own_map;
   if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
   const double noise = observe::EstimateNoise(all), brightest = observe::BrightestRadiance(all);
-  const double level = ExposureLevel(brightest);
-  if (level != 1.0) return EstimateAtLevel(all, signatures, options, level, refined, calibration);
+  if (const double level = ExposureLevel(brightest); level != 1.0)
+    return EstimateAtLevel(all, signatures, options, level, refined, calibration, evidence);
   Tell(options.watch, Part::kStart);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   start::Start start = StartOf(all, noise, used_map, options);
@@ -113,7 +129,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
     response = std::move(*answered);
   }
   FillFromFit(all, result, estimate, response ? &*response : nullptr);
-  if (const Status status = CheckLights(estimate, noise, brightest); !status)
+  if (const Status status = CheckLights(estimate, noise, brightest, evidence); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   AddNotes(estimate);
@@ -141,11 +157,20 @@ Result<EstimateOutput> EstimateScene(const std::vector<model::Keyframe>& keyfram
       return RespondToCalibration({keyframes, geometry, rays}, all, solution, *options.calibration,
                                   options.watch.stop);
     };
+  std::vector<calib::RigPoses> poses;
+  for (const model::Keyframe& keyframe : keyframes) poses.push_back({keyframe.X_WC, keyframe.X_WT});
+  Evidence evidence{observed->counts};
+  evidence.copies =
+      static_cast<int>(FindCopies(observed->pixels, observed->signatures, poses).size());
   auto estimate = EstimateObservations(observed->pixels, observed->signatures, options, &out.map,
-                                       &refined, calibration);
+                                       &refined, calibration, evidence);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;
+  if (const Status known = LeaveOutUnknown(observed->pixels, out.estimate); !known)
+    return Forward(known);
+  ExplainViews(observed->pixels, observed->signatures, poses, refined.solution.scene,
+               refined.options.evaluate, options.frame_numbers, out.estimate);
   AddOutliersNote(observed->counts, out.estimate);
   out.residuals = ResidualMaps(observed->pixels, refined.solution.scene, refined.options.evaluate,
                                {rays.width(), rays.height()});

@@ -18,6 +18,7 @@
 #include "estimator/model/scene.h"
 #include "estimator/observe/intensity_map.h"
 #include "estimator/observe/observations.h"
+#include "estimator/observe/usable.h"
 #include "estimator/select/model_selection.h"
 #include "estimator/solve/solver.h"
 #include "estimator/target/geometry.h"
@@ -48,6 +49,8 @@ struct EstimateOptions {
   // What the keyframes' calibration may have wrong; must outlive the call. None: it is taken as
   // exact.
   const CalibrationErrors* calibration = nullptr;
+  // The keyframes as the session counts them, for words; empty: 0, 1, ...
+  std::vector<std::size_t> frame_numbers;
   Watch watch;
 };
 
@@ -104,6 +107,9 @@ struct Estimate {
   std::vector<std::string> weak;
   std::vector<model::Rung> ladder;
   std::vector<Note> notes;
+  // Keys of result.json, such as "reflectance/diffuse" or "lights/1/intensity", of which the sigma
+  // says that nothing is known: they are null there. See determined.h.
+  std::vector<std::string> undetermined;
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;
@@ -121,6 +127,13 @@ struct EstimateOutput {
       residuals;  // per keyframe: grey observed minus model; NaN where unobserved
 };
 
+// What is known beside the observations: a refusal's words follow from it.
+struct Evidence {
+  observe::FlagCounts counts;  // of the target's pixels
+  int copies = 0;              // views that are copies of others (view_evidence.h)
+  double level = 1.0;          // white, in the observations' radiance
+};
+
 // How a fit of these observations answers to the calibration's errors; nothing: they are none.
 using CalibrationAsked = std::function<Result<std::optional<uncertainty::CalibrationResponse>>(
     const observe::Observations& all, const solve::Solution& solution)>;
@@ -134,7 +147,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const EstimateOptions& options,
                                       observe::IntensityMap* map = nullptr,
                                       select::Refined* refined = nullptr,
-                                      const CalibrationAsked& calibration = {});
+                                      const CalibrationAsked& calibration = {},
+                                      const Evidence& evidence = {});
 
 // Fails with kNoEstimate, in words that say what to do, when nothing usable was observed:
 // everything clipped, everything dark, nothing of the target in view; with kInterrupted when

@@ -20,7 +20,8 @@ Status WaitForEnter(const std::string& text, const StopFlag* stop) {
     char byte = 0;
     if (::read(STDIN_FILENO, &byte, 1) <= 0) {
       std::cerr << std::endl;
-      return InputError("standard input has ended, so nobody can be asked to go on");
+      return InputError(
+          "standard input has ended, so nobody can be asked to go on; --yes asks nobody");
     }
     if (byte == '\n') return {};
   }

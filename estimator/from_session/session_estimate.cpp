@@ -51,10 +51,17 @@ class Stages {
   std::size_t done_ = 0, total_ = 0;
 };
 
-// Frames floor(i F / N).
-Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
-                                              const std::optional<int>& views) {
+// Those of --frames, or frames floor(i F / N).
+Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session, const Options& options) {
+  const std::optional<int>& views = options.views;
   const std::size_t all = session.frames.size();
+  if (!options.frames.empty()) {
+    if (views) return InputError("--frames: not with --views, which chooses frames, too");
+    if (options.frames.back() < all) return options.frames;
+    return InputError("--frames: " + std::to_string(options.frames.back()) + ", allowed are 0 to " +
+                      std::to_string(all - 1) + ", the session's " + std::to_string(all) +
+                      " frames");
+  }
   if (views && (*views < 1 || static_cast<std::size_t>(*views) > all))
     return InputError("--views: " + std::to_string(*views) +
                       ", allowed are at most the session's " + std::to_string(all) + " frames");
@@ -135,7 +142,7 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options,
   auto session = rig::ReadSession(folder);
   if (!session) return Forward(session);
   if (const Status status = CheckMethod(options); !status) return Forward(status);
-  auto chosen = ChooseFrames(*session, options.views);
+  auto chosen = ChooseFrames(*session, options);
   if (!chosen) return Forward(chosen);
   auto calibration = rig::ReadSessionCalibration(*session);
   if (!calibration) return Forward(calibration);
@@ -158,6 +165,7 @@ Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGri
   if (!distance) return Forward(distance);
   baseline::PaperOptions paper;
   paper.ceiling_distance = *distance;
+  paper.frame_numbers = loaded.chosen;
   paper.up = baseline::PaperUp(loaded.keyframes, loaded.geometry);
   return baseline::EstimateByPaper(loaded.keyframes, loaded.geometry, rays, paper, watch);
 }
@@ -185,6 +193,7 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Options& optio
   EstimateOptions estimate;
   estimate.initial = options.initial;
   estimate.model = options.model;
+  estimate.frame_numbers = loaded.chosen;
   estimate.watch = watch;
   std::optional<CalibrationErrors> errors;
   if (loaded.calibration) {

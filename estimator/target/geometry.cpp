@@ -143,6 +143,18 @@ struct Geometry::MeshTracer {
     return Recompute(query.hit.primID, origin, direction);
   }
 
+  bool SeesBack(const Vector3d& origin, const Vector3d& direction) const {
+    RTCRayHit query;
+    SetRay(query.ray, origin, direction.normalized());
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &query);
+    return query.hit.geomID != RTC_INVALID_GEOMETRY_ID &&
+           !Recompute(query.hit.primID, origin, direction);
+  }
+
   // The hit with a known face in double precision: Moeller and Trumbore, "Fast, Minimum Storage
   // Ray/Triangle Intersection" (1997).
   std::optional<SurfacePoint> Recompute(unsigned primitive, const Vector3d& origin,
@@ -209,6 +221,13 @@ std::optional<SurfacePoint> Geometry::Intersect(const Vector3d& origin,
   if (const auto* plane = std::get_if<calib::PlaneShape>(shape_.get()))
     return IntersectPlane(*plane, origin, direction);
   return mesh_->Intersect(origin, direction);
+}
+
+bool Geometry::SeesBack(const Vector3d& origin, const Vector3d& direction) const {
+  if (const auto* plane = std::get_if<calib::PlaneShape>(shape_.get()))
+    return plane->sides == 1 && direction.z() > 0.0 &&
+           IntersectPlane({plane->width, plane->height, 2}, origin, direction).has_value();
+  return mesh_ && mesh_->SeesBack(origin, direction);
 }
 
 bool Geometry::CanShadowItself() const { return mesh_ != nullptr; }

@@ -121,8 +121,8 @@ TEST_F(Outputs, AResultThatCouldNotBePrintedIsNoticed) {
 TEST_F(Outputs, AReaderThatHasEnoughIsNoFault) {
   const std::string err = folder_ / "err";
   // The reader has ended before the program begins.
-  const std::string bash = "bash -c '(sleep 0.3; exec " TURNLIGHT_PROGRAM
-                           " --help 2> " + err + "; ) | true; exit ${PIPESTATUS[0]}'";
+  const std::string bash = "bash -c '(sleep 0.3; exec " TURNLIGHT_PROGRAM " --help 2> " + err +
+                           "; ) | true; exit ${PIPESTATUS[0]}'";
   const int status = std::system(bash.c_str());
   EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 141);
   EXPECT_THAT(ReadText(err), IsEmpty());
