@@ -30,8 +30,7 @@ bool IsUnknown(double value, double sigma, double most, double share = kUniform)
   return !std::isfinite(sigma) || (sigma > value && sigma > share * most);
 }
 bool IsUnknownFactor(double value, double sigma, double most) {
-  return IsUnknown(value, sigma, most) &&
-         (!std::isfinite(sigma) || sigma > kUnknownFactor * value);
+  return IsUnknown(value, sigma, most) && (!std::isfinite(sigma) || sigma > kUnknownFactor * value);
 }
 
 bool HasDirection(const LightEstimate& light) {
@@ -50,7 +49,8 @@ double NormalSpreadDeg(const observe::Observations& all) {
   mean.normalize();
   double least = 1.0;
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (all.pixel[i] != observe::Observations::kNoPixel) least = std::min(least, mean.dot(normal(i)));
+    if (all.pixel[i] != observe::Observations::kNoPixel)
+      least = std::min(least, mean.dot(normal(i)));
   return RadToDeg(std::acos(std::clamp(least, -1.0, 1.0)));
 }
 
@@ -105,8 +105,8 @@ class Unknowns {
 void AddLight(const Estimate& estimate, std::size_t i, double most, Unknowns& unknowns) {
   const LightEstimate& light = estimate.lights[i];
   const std::string number = std::to_string(i), key = "lights/" + number + "/";
-  unknowns.Add(key + "intensity",
-               light.intensity_sigma && IsUnknown(light.light.intensity, *light.intensity_sigma, 1.0));
+  unknowns.Add(key + "intensity", light.intensity_sigma && IsUnknown(light.light.intensity,
+                                                                     *light.intensity_sigma, 1.0));
   const bool no_distance = light.distance && IsUnknown(*light.distance, *light.distance_sigma, 0.0);
   for (const char* place : {"distance", "position", "position_covariance"})
     unknowns.Add(key + place, no_distance);
@@ -115,8 +115,8 @@ void AddLight(const Estimate& estimate, std::size_t i, double most, Unknowns& un
   // Without a highlight its product is 0, and the sigma says how much could have been overlooked.
   const bool lobe = estimate.reflectance.specular_model != model::SpecularModel::kNone;
   const double specular = light.specular_product, sigma = light.specular_product_sigma;
-  unknowns.Add("products/specular/" + number, lobe ? IsUnknownFactor(specular, sigma, most)
-                                                   : !(sigma <= most));
+  unknowns.Add("products/specular/" + number,
+               lobe ? IsUnknownFactor(specular, sigma, most) : !(sigma <= most));
 }
 
 void AddReflectance(const Estimate& estimate, double most, Unknowns& unknowns) {
@@ -127,8 +127,8 @@ void AddReflectance(const Estimate& estimate, double most, Unknowns& unknowns) {
   unknowns.Add("reflectance/diffuse", IsUnknown(r.diffuse, sigma.diffuse, most, kDiffuseShare));
   if (r.diffuse_model == model::DiffuseModel::kOrenNayar)
     unknowns.Add("reflectance/roughness_deg",
-                 !sigma.roughness || IsUnknown(RadToDeg(r.roughness), RadToDeg(*sigma.roughness),
-                                               kMostRoughness));
+                 !sigma.roughness ||
+                     IsUnknown(RadToDeg(r.roughness), RadToDeg(*sigma.roughness), kMostRoughness));
   if (r.specular_model == model::SpecularModel::kNone) return;
   const bool peak = IsUnknownFactor(r.specular, sigma.specular, most);
   const bool width = !sigma.shininess || *sigma.shininess > kUnknownFactor * r.shininess;
@@ -170,14 +170,16 @@ Status LeaveOutUnknown(const observe::Observations& all, Estimate& out) {
   if (!out.lights.empty() && !HasDirection(out.lights.front())) return NoDirection(all, out);
   if (const std::size_t dropped = DropLights(out); dropped > 0)
     AddNote("light-left-out",
-            {{"lights", dropped == 1 ? "1 light is" : std::to_string(dropped) + " lights are"}}, out);
+            {{"lights", dropped == 1 ? "1 light is" : std::to_string(dropped) + " lights are"}},
+            out);
   const double most = observe::BrightestRadiance(all);
   Unknowns unknowns;
   for (std::size_t i = 0; i < out.lights.size(); ++i) AddLight(out, i, most, unknowns);
   AddReflectance(out, most, unknowns);
   unknowns.Add("products/ambient", out.ambient_product, out.ambient_product_sigma, most, kUniform);
   out.undetermined = unknowns.keys();
-  if (!out.undetermined.empty()) AddNote(out.lights.empty() ? "not-determined/no-light" : "not-determined",
+  if (!out.undetermined.empty())
+    AddNote(out.lights.empty() ? "not-determined/no-light" : "not-determined",
             {{"list", Shown(out.undetermined)}}, out);
   return {};
 }

@@ -65,8 +65,9 @@ class Comparison {
       angle += std::max(Angle2(all_.normal, a, b), Angle2(all_.mirrored, a, b));
       for (int c = 0; c < all_.channels; ++c) {
         observed += Square(all_.radiance[c][a] - all_.radiance[c][b]);
-        if (model_ != nullptr) predicted += Square((*model_)[static_cast<std::size_t>(c)][a] -
-                                 (*model_)[static_cast<std::size_t>(c)][b]);
+        if (model_ != nullptr)
+          predicted += Square((*model_)[static_cast<std::size_t>(c)][a] -
+                              (*model_)[static_cast<std::size_t>(c)][b]);
       }
     });
     if (common.pixels == 0) return common;
@@ -93,7 +94,8 @@ class Comparison {
     const auto begin = [&](int k) { return all_.tile_begin[k] * observe::kTile; };
     std::size_t a = begin(views.first), b = begin(views.second);
     while (a < begin(views.first + 1) && b < begin(views.second + 1)) {
-      if (all_.pixel[a] == Observations::kNoPixel || all_.pixel[b] == Observations::kNoPixel) return;
+      if (all_.pixel[a] == Observations::kNoPixel || all_.pixel[b] == Observations::kNoPixel)
+        return;
       if (all_.pixel[a] == all_.pixel[b])
         visit(a++, b++);
       else
@@ -133,8 +135,7 @@ std::vector<Pair> FindCopies(const Observations& all, const std::vector<cv::Mat>
   for (int k = 1; k < static_cast<int>(signatures.size()); ++k)
     for (int earlier = 0; earlier < k; ++earlier) {
       if (!AreCopies(signatures[k], signatures[earlier])) continue;
-      if (!IsSame(poses[k], poses[earlier], all.radius) &&
-          SeesOther(comparison.Of({k, earlier})))
+      if (!IsSame(poses[k], poses[earlier], all.radius) && SeesOther(comparison.Of({k, earlier})))
         copies.emplace_back(k, earlier);
       break;
     }
@@ -143,7 +144,8 @@ std::vector<Pair> FindCopies(const Observations& all, const std::vector<cv::Mat>
 
 void ExplainViews(const Observations& all, const std::vector<cv::Mat>& signatures,
                   const std::vector<calib::RigPoses>& poses, const model::Scene& scene,
-                  const solve::EvaluateOptions& options, const std::vector<std::size_t>& frame_numbers, Estimate& out) {
+                  const solve::EvaluateOptions& options,
+                  const std::vector<std::size_t>& frame_numbers, Estimate& out) {
   const auto note = std::find_if(out.notes.begin(), out.notes.end(), [](const Note& candidate) {
     return candidate.code == "views-add-nothing";
   });

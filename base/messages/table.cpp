@@ -18,7 +18,8 @@ const std::vector<Row> kTooFewPixels = {
      "check the poses (X_WC, X_WT), the target's size and its unit of length, and the masks."},
     {"seen-from-behind", kRefusal,
      "most rays that meet the target meet a face from behind, or where its normal points away",
-     "{used} usable pixels, at least {least} are needed. {share} % of what is seen of the target is "
+     "{used} usable pixels, at least {least} are needed. {share} % of what is seen of the target "
+     "is "
      "seen from behind:",
      "the mesh is wound inwards, or its normals point inwards; turn its faces round. (Of a plane: "
      "the camera is behind it; sides: 2 gives it a second side.)"},
@@ -196,10 +197,8 @@ const std::vector<Row> kModel = {
      "residual is with what was left out.",
      "--model lights=N decides how many there are."},
     {"null-distance-min", kNote, "a light's distance has no bound",
-     "distance_min is null for light {lights}:",
-     "the data do not bound its distance from below."},
-    {"null-intensity-sigma", kNote, "there is a light",
-     "intensity_sigma is null for light 1:",
+     "distance_min is null for light {lights}:", "the data do not bound its distance from below."},
+    {"null-intensity-sigma", kNote, "there is a light", "intensity_sigma is null for light 1:",
      "the strongest light's intensity is 1 by definition; the sigmas of products do not depend on "
      "that."},
     {"null-condition", kNote, "the normal equations are singular",

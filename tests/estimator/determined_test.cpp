@@ -119,6 +119,15 @@ TEST(Determined, TheNoteNamesThemForAPerson) {
   EXPECT_THAT(estimate.notes[0].text, HasSubstr("reflectance/ambient, products/ambient: by their"));
 }
 
+TEST(Determined, WithoutALightNothingShowsTheDiffusePart) {
+  Estimate estimate = Known();
+  estimate.lights.clear();
+  estimate.stat.lights.clear();
+  estimate.sigma.diffuse = kNaN;
+  ASSERT_TRUE(LeaveOutUnknown(Pixels(), estimate));
+  EXPECT_THAT(estimate.notes[0].text, HasSubstr("there is no light to see them by"));
+}
+
 TEST(Determined, ALightWithoutADirectionLeavesTheList) {
   for (const double sigma : {DegToRad(46.0), kNaN}) {
     Estimate estimate = Known();

@@ -1,7 +1,7 @@
 // Proves, with a scene made for each: a refusal names the cause that was put into the pictures, and
 // what it says to do would mend it; never "expose longer" where the pictures are bright, "move
-// closer" where the mesh is wound inwards, "lower the exposure" where the saturation is set too low.
-// Does not prove the thresholds between causes: usable_test has those.
+// closer" where the mesh is wound inwards, "lower the exposure" where the saturation is set too
+// low. Does not prove the thresholds between causes: usable_test has those.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ void TurnFaces(calib::TargetShape& target) {
 TEST(Refusals, NothingOfTheTarget) {
   const auto session = Make(Lump());
   auto keyframes = rig::sim::ToKeyframes(session);
-  for (auto& keyframe : keyframes) keyframe.mask = cv::Mat1b::zeros(keyframe.mask.size());
+  for (auto& keyframe : keyframes) keyframe.mask = cv::Mat1b(keyframe.mask.size(), std::uint8_t{0});
   EXPECT_THAT(Refusal(keyframes, session), HasSubstr("The masks leave no pixel: check them"));
   keyframes = rig::sim::ToKeyframes(session);
   for (auto& keyframe : keyframes) keyframe.X_WT.translation = {0.0, 0.0, 1e4};
@@ -70,8 +70,10 @@ TEST(Refusals, NothingOfTheTarget) {
 TEST(Refusals, AMeshWoundInwards) {
   auto session = Make(Lump());
   TurnFaces(session.target);
-  EXPECT_THAT(Refusal(session), AllOf(HasSubstr("100 % of what is seen of the target is seen from behind: the mesh is wound"),
-                                      Not(HasSubstr("closer"))));
+  EXPECT_THAT(
+      Refusal(session),
+      AllOf(HasSubstr("100 % of what is seen of the target is seen from behind: the mesh is wound"),
+            Not(HasSubstr("closer"))));
 }
 
 TEST(Refusals, WhatIsNoNumber) {
@@ -94,8 +96,8 @@ TEST(Refusals, ClippedByTheSensorOrByASetting) {
 
   auto session = Make(Lump());
   session.radiometry.saturation = 6500.0;  // a little above black
-  EXPECT_THAT(Refusal(session), AllOf(HasSubstr("set saturation (or white"),
-                                      Not(HasSubstr("lower the exposure"))));
+  EXPECT_THAT(Refusal(session),
+              AllOf(HasSubstr("set saturation (or white"), Not(HasSubstr("lower the exposure"))));
 }
 
 TEST(Refusals, LostInTheDarkOrInNoise) {
@@ -109,15 +111,17 @@ TEST(Refusals, LostInTheDarkOrInNoise) {
   rig::sim::SyntheticConfig noisy = Lump();
   noisy.sensor.black = 0.0;
   noisy.sensor.noise_relative = 0.35;
-  EXPECT_THAT(Refusal(Make(noisy)), AllOf(HasSubstr("are lost in noise, though bright ones reach"),
-                                          HasSubstr("lower the gain, or average"),
-                                          Not(HasSubstr("expose longer"))));
+  EXPECT_THAT(Refusal(Make(noisy)),
+              AllOf(HasSubstr("are lost in noise, though bright ones reach"),
+                    HasSubstr("lower the gain, or average"), Not(HasSubstr("expose longer"))));
 }
 
 TEST(Refusals, TooObliqueAndTooSmall) {
   rig::sim::SyntheticConfig flat = Lump();
   flat.target = calib::PlaneShape{300.0, 300.0, 1};
-  flat.motion.elevation_deg = 5.0;
+  flat.motion.elevation_deg = 3.5;
+  flat.motion.distance = 1000.0;
+  flat.camera = {.width = 120, .height = 60, .focal_px = 900.0, .distortion = {}};
   EXPECT_THAT(Refusal(Make(flat)), HasSubstr("too obliquely: look at it more from the front"));
   rig::sim::SyntheticConfig far = Lump();
   far.motion.distance = 6000.0;
@@ -132,11 +136,11 @@ TEST(Refusals, BlackAndNoSurface) {
   const RandomStream random(3, 1);
   std::uint64_t draw = 0;
   for (auto& keyframe : keyframes)
-    for (cv::Vec3f& value : cv::Mat3f(keyframe.image.radiance))
-      value = cv::Vec3f::all(random.Uniform(draw) < 0.58 ? 0.3f
-                                                         : 0.4f + 0.6f * static_cast<float>(random.Uniform(
-                                                                             draw + (1u << 30)))),
-      ++draw;
+    for (cv::Vec3f& value : cv::Mat3f(keyframe.image.radiance)) {
+      const double level = random.Uniform(draw++) < 0.38 ? random.Uniform(draw++, 0.02, 0.4)
+                                                         : 0.6 + 0.003 * random.Normal(draw++);
+      value = cv::Vec3f::all(static_cast<float>(level));
+    }
   EXPECT_THAT(Refusal(keyframes, session),
               HasSubstr("the pictures show something else than a surface"));
 }
@@ -173,11 +177,18 @@ TEST(Refusals, NoLightInWhatDoesNotGoWithTheSurface) {
       for (int column = 0; column < radiance.cols; ++column)
         radiance(row, column) = cv::Vec3f::all(
             0.5f + 0.4f * std::sin(0.35f * static_cast<float>(row + (k % 2 ? column : -column)) +
-                                1.3f * static_cast<float>(k)));
+                                   1.3f * static_cast<float>(k)));
   }
   EXPECT_THAT(Refusal(keyframes, session),
               AllOf(HasSubstr("vary by more than noise"), HasSubstr("check the poses"),
                     Not(HasSubstr("expose longer"))));
+  // A mesh whose faces are turned here and there.
+  auto torn = session;
+  auto& faces = std::get<calib::MeshShape>(torn.target).faces;
+  for (std::size_t i = 0; i < faces.size() / 3; ++i) std::swap(faces[i][1], faces[i][2]);
+  EXPECT_THAT(Refusal(keyframes, torn),
+              AllOf(HasSubstr("no light explains the pictures"), HasSubstr("seen from behind"),
+                    HasSubstr("wound inwards in part")));
   // The same picture at every angle: a buffer that was saved again and again.
   for (auto& keyframe : keyframes) keyframe.image.radiance = keyframes[0].image.radiance.clone();
   EXPECT_THAT(Refusal(keyframes, session),
@@ -187,13 +198,15 @@ TEST(Refusals, NoLightInWhatDoesNotGoWithTheSurface) {
 
 // All that is seen of it faces up.
 TEST(Refusals, APlaneDoesNotSayWhereTheLightIs) {
-  rig::sim::SyntheticConfig config = Lump();
+  rig::sim::SyntheticConfig config;
+  config.seed = 37;
   config.target = calib::PlaneShape{80.0, 80.0, 1};
-  config.motion.frames = 1;
-  config.motion.elevation_deg = 60.0;
-  config.lights =
-      std::vector<rig::sim::LightSpec>{{.direction = {0.4, 0.2, 0.9}, .distance = 300.0, .intensity = 0.8}};
-  config.reflectance = Glossy(0.1, 0.5, 0.0);
+  config.motion = {rig::sim::MotionKind::kTable, 1, 120.0, 420.0, 30.0, 0.0};
+  config.camera = {.width = 80, .height = 60, .focal_px = 130.0, .distortion = {}};
+  config.lights = rig::sim::RandomLights{.count = 1};
+  config.reflectance = rig::sim::RandomReflectance{.specular = {0.0, 0.3}};
+  config.sensor.depth = rig::sim::SensorDepth::k8;
+  config.sensor.noise_relative = 0.05;
   EXPECT_THAT(Refusal(Make(config)),
               AllOf(HasSubstr("direction of the brightest light is not known to 45 degrees"),
                     HasSubstr("use a target that bends")));

@@ -27,7 +27,8 @@ rig::sim::SyntheticConfig Turning(const rig::sim::SyntheticTarget& target, doubl
   config.camera = {.width = 60, .height = 45, .focal_px = 150.0, .distortion = {}};
   return config;
 }
-const rig::sim::SyntheticTarget kLump = rig::sim::Blob{.radius = 40.0, .depth = 0.3, .segments = 48};
+const rig::sim::SyntheticTarget kLump =
+    rig::sim::Blob{.radius = 40.0, .depth = 0.3, .segments = 48};
 const rig::sim::SyntheticTarget kBall = calib::SphereShape{40.0};
 
 // The note's text, or the refusal's.
@@ -65,14 +66,14 @@ TEST(ViewEvidence, CopiesAreNamed) {
   const auto session = *rig::sim::SynthesizeInMemory(Turning(kLump, 0.003));
   auto keyframes = rig::sim::ToKeyframes(session);
   keyframes[4].image = keyframes[3].image;
-  EXPECT_THAT(Said(keyframes, session),
-              AllOf(HasSubstr("1 are copies of others, value for value"),
-                    HasSubstr("frame 4 and frame 3"), Not(HasSubstr("body of revolution"))));
   EstimateOptions options;
   options.frame_numbers = {0, 5, 10, 15, 20, 25};
-  EXPECT_THAT(Said(keyframes, session, options), HasSubstr("frame 20 and frame 15"));
+  EXPECT_THAT(Said(keyframes, session, options),
+              AllOf(HasSubstr("1 are copies of others, value for value"),
+                    HasSubstr("frame 20 and frame 15"), Not(HasSubstr("body of revolution"))));
+  keyframes.resize(3);
   for (auto& keyframe : keyframes) keyframe.image = keyframes[0].image;
-  EXPECT_THAT(Said(keyframes, session), AllOf(HasSubstr("5 "), HasSubstr("are copies of others"),
+  EXPECT_THAT(Said(keyframes, session), AllOf(HasSubstr("2 "), HasSubstr("are copies of others"),
                                               Not(HasSubstr("body of revolution"))));
 }
 
@@ -86,9 +87,10 @@ TEST(ViewEvidence, ATableThatStoodStillIsNoBodyOfRevolution) {
   keyframes[4].image.radiance = keyframes[3].image.radiance.clone();
   for (cv::Vec3f& value : cv::Mat3f(keyframes[4].image.radiance))
     for (int c = 0; c < 3; ++c) value[c] += static_cast<float>(noise * random.Normal(draw++));
-  EXPECT_THAT(Said(keyframes, session),
-              AllOf(HasSubstr("frame 4 and frame 3"), HasSubstr("the model predicts differences"),
-                    HasSubstr("Check that the table turned"), Not(HasSubstr("body of revolution"))));
+  EXPECT_THAT(
+      Said(keyframes, session),
+      AllOf(HasSubstr("frame 4 and frame 3"), HasSubstr("the model predicts differences"),
+            HasSubstr("Check that the table turned"), Not(HasSubstr("body of revolution"))));
 }
 
 TEST(ViewEvidence, TheSamePoseAgainIsARepetition) {

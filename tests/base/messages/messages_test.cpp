@@ -47,7 +47,8 @@ std::string RowOfPage(const Row& row) {
 TEST(Messages, ThePageIsTheTable) {
   const std::string page = ReadText(fs::path(TURNLIGHT_SOURCE_DIR) / "docs/messages.md");
   std::size_t rows = 0;
-  for (std::size_t at = page.find("\n| `"); at != std::string::npos; at = page.find("\n| `", at + 1))
+  for (std::size_t at = page.find("\n| `"); at != std::string::npos;
+       at = page.find("\n| `", at + 1))
     ++rows;
   EXPECT_EQ(rows, Table().size());
   std::size_t from = 0;
