@@ -52,7 +52,8 @@ std::string ModelText(const Estimate& estimate) {
 std::string MeasureOf(const Estimate& estimate, const std::string& key, double value,
                       double sigma) {
   if (!estimator::IsUndetermined(estimate, key)) return Measure(value, sigma);
-  return std::isfinite(sigma) ? "not known (sigma " + Format("%.2g", sigma) + ")" : "not known";
+  return std::isfinite(sigma) && sigma > 0.0 ? "not known (sigma " + Format("%.2g", sigma) + ")"
+                                             : "not known";
 }
 
 std::string DistanceText(const Estimate& estimate, std::size_t i, const std::string& unit) {

@@ -22,6 +22,7 @@ using testing::Not;
 // Six views of a target that turns.
 rig::sim::SyntheticConfig Turning(const rig::sim::SyntheticTarget& target, double noise) {
   rig::sim::SyntheticConfig config = TwoLightBall(5, noise, 0.1);
+  LightsOf(config).resize(1);
   config.target = target;
   config.motion.kind = rig::sim::MotionKind::kTable;
   config.camera = {.width = 60, .height = 45, .focal_px = 150.0, .distortion = {}};
