@@ -2,10 +2,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/frame_list.h"
 #include "app/session_estimate.h"
 #include "estimator/memory_need.h"
 #include "estimator/results/model_option.h"
@@ -22,6 +24,7 @@ struct EstimateArguments {
   std::vector<std::string> model;
   std::optional<std::size_t> pixels;
   std::string max_memory;
+  std::optional<std::string> frames;
   bool no_pictures = false;
   bool json = false;
 };
@@ -41,6 +44,11 @@ int EstimateAndPrint(const EstimateArguments& arguments) {
     if (const Status status = estimator::results::ApplyModelOption(option, options.estimate.model);
         !status)
       return Fail(status.error());
+  if (arguments.frames) {
+    auto frames = ParseFrames(*arguments.frames);
+    if (!frames) return Fail(frames.error());
+    options.estimate.frames = std::move(*frames);
+  }
   const auto done = WriteEstimate(arguments.session, arguments.out, options);
   if (!done) return Fail(done.error());
   std::cout << (arguments.json ? done->json : done->summary) << std::flush;
@@ -80,6 +88,11 @@ void AddEstimate(CLI::App& program, Action& action) {
                    "Refuse beforehand what would need more than that, and say what would fit, such "
                    "as 4GB or 800MB; changes no result")
       ->type_name("SIZE");
+  command
+      ->add_option("--frames", arguments->frames,
+                   "Use these frames: numbers and ranges, counted from 0, such as 0-16,18-35; not "
+                   "with --views")
+      ->type_name("LIST");
   command
       ->add_option("--initial", arguments->options.initial,
                    "Start from the lights of a truth.json or result.json")

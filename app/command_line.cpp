@@ -1,5 +1,7 @@
 #include "app/command_line.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
@@ -10,8 +12,10 @@
 #include "app/command.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/outputs.h"
 #include "app/printable_output.h"
 #include "app/version.h"
+#include "base/format.h"
 #include "base/nearest.h"
 
 namespace turnlight::app {
@@ -99,9 +103,17 @@ std::string FullName(const CLI::App& command) {
                               : command.get_name();
 }
 
+// What is wrong with a line whose words are all known.
+std::string WhatIsWrong(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App& command = Innermost(program);
+  if (CommandNames(command).empty() || !dynamic_cast<const CLI::RequiredError*>(&error))
+    return error.what();
+  return "a command is missing, allowed are " + Listed(CommandNames(command));
+}
+
 int Refuse(const CLI::App& program, const CLI::ParseError& error) {
   const std::string unknown = UnknownWord(program);
-  std::cerr << "turnlight: " << (unknown.empty() ? error.what() : unknown) << "\n"
+  std::cerr << "turnlight: " << (unknown.empty() ? WhatIsWrong(program, error) : unknown) << "\n"
             << FullName(Innermost(program)) << " --help shows what is allowed" << std::endl;
   return kRefused;
 }
@@ -123,18 +135,29 @@ int ParseAndRun(int argc, char** argv) {
   return action();
 }
 
-}  // namespace
-
-int RunCommandLine(int argc, char** argv) {
-  const PrintableOutput printable;
-  InstallInterruptHandler();
+int RunSafely(int argc, char** argv) {
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::bad_alloc&) {
-    return Fail({ErrorKind::kSystem, "not enough memory for this input"});
+    return Fail(
+        {ErrorKind::kSystem,
+         "not enough memory for this input; of a session estimate --frames or --views takes "
+         "fewer pictures"});
   } catch (const std::exception& error) {
-    return Fail({ErrorKind::kSystem, std::string("unexpected: ") + error.what()});
+    return Fail(
+        {ErrorKind::kSystem,
+         std::string("unexpected, and a fault of turnlight: ") + error.what() +
+             "; please report it with this command line and what turnlight --version says"});
   }
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  StandardOutput output;
+  InstallInterruptHandler();
+  const OutputWatch watch({STDERR_FILENO}, LoseOutput);
+  return output.End(RunSafely(argc, argv));
 }
 
 }  // namespace turnlight::app

@@ -107,25 +107,27 @@ int Tell(const OpenedTable& table) {
 int RunHome(const MotionArguments& arguments, const Drivers& drivers) {
   const InterruptHaltsMotor guard;
   const auto table = OpenTable(arguments, drivers);
-  if (!table) return Fail(table.error());
-  if (const Status homed = Home(**table, arguments); !homed) return Fail(homed.error());
+  if (!table) return FailAtDevice(table.error(), arguments.config);
+  if (const Status homed = Home(**table, arguments); !homed)
+    return FailAtDevice(homed.error(), arguments.config);
   return Tell(**table);
 }
 
 int RunJog(const MotionArguments& arguments, const JogTarget& target, const Drivers& drivers) {
   const InterruptHaltsMotor guard;
   const auto opened = OpenTable(arguments, drivers);
-  if (!opened) return Fail(opened.error());
+  if (!opened) return FailAtDevice(opened.error(), arguments.config);
   OpenedTable& table = **opened;
   if (table.state.motion != rig::TableMotion::kIdle) {
     const std::string why = "the position is not known: " + table.state.fault;
     if (arguments.no_home)
       return Fail({ErrorKind::kDevice, why + "; turnlight home " + arguments.config + " finds it"});
     Say(why + "; homing comes first");
-    if (const Status homed = Home(table, arguments); !homed) return Fail(homed.error());
+    if (const Status homed = Home(table, arguments); !homed)
+      return FailAtDevice(homed.error(), arguments.config);
   }
   const Status turned = Turn(table, target.AngleFrom(table.state.angle_deg), arguments);
-  return turned ? Tell(table) : Fail(turned.error());
+  return turned ? Tell(table) : FailAtDevice(turned.error(), arguments.config);
 }
 
 namespace {

@@ -10,6 +10,8 @@
 
 #include "app/command.h"
 #include "app/exit_code.h"
+#include "app/interrupt.h"
+#include "app/outputs.h"
 #include "app/simulator.h"
 #include "base/file.h"
 #include "base/format.h"
@@ -29,14 +31,15 @@ struct SimulateArguments {
   bool quiet = false;
 };
 
-// From here on, and in the threads that are begun while one lives, Ctrl-C and SIGTERM wait to be
-// asked for.
+// From here on, and in the threads that are begun while one lives, Ctrl-C, SIGTERM and SIGHUP wait
+// to be asked for.
 class AskedSignals {
  public:
   AskedSignals() {
     sigemptyset(&set_);
     sigaddset(&set_, SIGINT);
     sigaddset(&set_, SIGTERM);
+    if (!HangupIsIgnored()) sigaddset(&set_, SIGHUP);
     ::pthread_sigmask(SIG_BLOCK, &set_, &before_);
   }
   ~AskedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
@@ -123,7 +126,7 @@ int RunDevices(const SimulateArguments& arguments, SimulatorConfig config) {
                *arguments.seconds;
   };
   std::size_t shown = 0;
-  while (!signals.Wait() && !is_over())
+  while (!signals.Wait() && !Interrupted() && !is_over())
     if (!arguments.quiet) ShowFaults(simulator->faults(), shown);
   if (!arguments.quiet) ShowFaults(simulator->faults(), shown);
   const std::string counts = simulator->Counts();
@@ -150,7 +153,7 @@ void AddSimulate(CLI::App& program, Action& action) {
       "Run simulated devices on their real protocols, for hardware in the loop where there is no "
       "hardware: a stage's controller on a pseudo-terminal and a GigE Vision camera on the "
       "loopback. Prints a line that begins with \"ready:\" once both can be opened, and ends "
-      "cleanly on Ctrl-C and SIGTERM",
+      "cleanly on Ctrl-C, SIGTERM and SIGHUP",
       "turnlight simulate configs/sim_grbl.yaml --for 60");
   auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("CONFIG", arguments->config, "A YAML file with a scene and devices")

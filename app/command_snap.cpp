@@ -89,7 +89,7 @@ int RunSnap(const SnapArguments& arguments, const Drivers& drivers) {
   if (!devices) return Fail(devices.error());
   const auto calibration = CalibrationIfThere(*config);
   const auto shot = Snap(arguments, *config, *devices);
-  if (!shot) return Fail(shot.error());
+  if (!shot) return FailAtDevice(shot.error(), arguments.config);
   const calib::Radiometry levels = LevelsOf(*devices, calibration);
   std::cout << LevelsText(shot->frame.image, levels, devices->camera->bayer)
             << ReadingsText(*devices->camera->camera)

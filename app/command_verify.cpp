@@ -6,8 +6,8 @@
 #include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "base/format.h"
-#include "estimator/from_session/frame_doubts.h"
 #include "base/printable.h"
+#include "estimator/from_session/frame_doubts.h"
 #include "rig/capture/closure_check.h"
 #include "rig/session/session.h"
 

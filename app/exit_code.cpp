@@ -31,4 +31,10 @@ int Fail(const Error& error) {
   return ExitCodeOf(error.kind);
 }
 
+int FailAtDevice(Error error, const std::string& config) {
+  if (error.kind == ErrorKind::kDevice && error.text.find("turnlight ") == std::string::npos)
+    error.text += "; turnlight doctor " + config + " looks for the cause";
+  return Fail(error);
+}
+
 }  // namespace turnlight::app

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <vector>
 
 #include "app/exit_code.h"
 
@@ -16,8 +17,11 @@ StopFlag interrupted{false};
 std::atomic<int> at_once{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch it");
 
+const std::vector<int> kStandardOutputs{STDOUT_FILENO, STDERR_FILENO};
+
 std::atomic<nodes::graph::Graph*> stopped_graph{nullptr};
-std::atomic<int> presses{0};  // while there is a graph to stop
+std::atomic<int> presses{0};        // while there is a graph or a motor to stop
+std::atomic<bool> stop_now{false};  // by SIGTERM, or nobody is there any more
 std::atomic<bool> first_stops_now{false};
 std::atomic<bool> halts_motor{false};
 static_assert(std::atomic<nodes::graph::Graph*>::is_always_lock_free,
@@ -29,14 +33,16 @@ static_assert(std::atomic<nodes::graph::Graph*>::is_always_lock_free,
 }
 
 void HandleInterrupt(int signal) {
-  const bool second = interrupted.exchange(true);
+  const bool hangup = signal == SIGHUP;
+  if (signal != SIGINT) stop_now = true;
+  const bool second = interrupted.exchange(true) && !hangup;
+  const int press = hangup ? presses.load() : presses.fetch_add(1) + 1;
   if (nodes::graph::Graph* graph = stopped_graph.load()) {
-    const int press = presses.fetch_add(1) + 1;
-    const bool now = press > 1 || signal == SIGTERM || first_stops_now.load();
+    const bool now = press > 1 || stop_now.load() || first_stops_now.load();
     graph->RequestStop(now ? nodes::graph::StopMode::kNow : nodes::graph::StopMode::kDrain);
     if (press < 3) return;
   }
-  if (halts_motor.load() && presses.fetch_add(1) + 1 < 3) return;
+  if (halts_motor.load() && press < 3) return;
   if (second || at_once.load() > 0) EndNow();
 }
 
@@ -49,7 +55,13 @@ void Catch(int signal) {
 
 }  // namespace
 
-void InstallInterruptHandler() { Catch(SIGINT); }
+void InstallInterruptHandler() {
+  Catch(SIGINT);
+  Catch(SIGTERM);
+  if (!HangupIsIgnored()) Catch(SIGHUP);
+}
+
+void LoseOutput() { HandleInterrupt(SIGHUP); }
 
 bool Interrupted() { return interrupted.load(); }
 const StopFlag& InterruptFlag() { return interrupted; }
@@ -64,22 +76,17 @@ InterruptStopsGraph::InterruptStopsGraph(nodes::graph::Graph& graph, nodes::grap
   presses = 0;
   first_stops_now = first == nodes::graph::StopMode::kNow;
   stopped_graph = &graph;
-  if (interrupted) graph.RequestStop(first);  // it came before there was a graph
-  Catch(SIGTERM);
+  if (interrupted)  // it came before there was a graph
+    graph.RequestStop(stop_now ? nodes::graph::StopMode::kNow : first);
+  watch_.emplace(kStandardOutputs, LoseOutput);
 }
-InterruptStopsGraph::~InterruptStopsGraph() {
-  stopped_graph = nullptr;
-  std::signal(SIGTERM, SIG_DFL);
-}
+InterruptStopsGraph::~InterruptStopsGraph() { stopped_graph = nullptr; }
 
 InterruptHaltsMotor::InterruptHaltsMotor() {
   presses = 0;
   halts_motor = true;
-  Catch(SIGTERM);
+  watch_.emplace(kStandardOutputs, LoseOutput);
 }
-InterruptHaltsMotor::~InterruptHaltsMotor() {
-  halts_motor = false;
-  std::signal(SIGTERM, SIG_DFL);
-}
+InterruptHaltsMotor::~InterruptHaltsMotor() { halts_motor = false; }
 
 }  // namespace turnlight::app

@@ -106,6 +106,12 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
     return InputError(file +
                       ": a config for turnlight synthesize, allowed is one for turnlight run, " +
                       "with rig and graph");
+  if (document->root.is_object() && document->root.contains("rig") &&
+      !document->root.contains("graph"))
+    return InputError(file +
+                      ": graph: this key is missing; home, jog, snap and doctor do without it, a "
+                      "run needs it: the section graph of configs/simulated_turntable.yaml will do "
+                      "for most rigs");
   StrictObject root(*document);
   const auto name = root.OptionalString("name");
   const auto capture = root.OptionalObject("capture");

@@ -34,9 +34,10 @@ bool RunFolder::estimated() const { return Exists(result() / "result.json"); }
 
 Status RunFolder::CheckNew() const {
   if (!begun() && !complete()) return {};
-  return InputError(
-      root_.string() + ": holds a capture already, allowed is a new folder" +
-      (complete() ? "" : "; turnlight resume " + root_.string() + " goes on with it"));
+  return InputError(root_.string() + ": holds a capture already, allowed is a new folder" +
+                    (complete()
+                         ? "; turnlight estimate " + session().string() + " estimates it again"
+                         : "; turnlight resume " + root_.string() + " goes on with it"));
 }
 
 Status RunFolder::CheckBegun() const {

@@ -6,6 +6,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "base/printable.h"
+#include "estimator/determined.h"
 #include "estimator/results/result_json.h"
 
 namespace turnlight::app {
@@ -48,7 +49,18 @@ std::string ModelText(const Estimate& estimate) {
   return text;
 }
 
-std::string DistanceText(const LightEstimate& light, const std::string& unit) {
+// The value of a key of result.json, or that its sigma allows anything.
+std::string MeasureOf(const Estimate& estimate, const std::string& key, double value,
+                      double sigma) {
+  if (!estimator::IsUndetermined(estimate, key)) return Measure(value, sigma);
+  return std::isfinite(sigma) && sigma > 0.0 ? "not known (sigma " + Format("%.2g", sigma) + ")"
+                                             : "not known";
+}
+
+std::string DistanceText(const Estimate& estimate, std::size_t i, const std::string& unit) {
+  const LightEstimate& light = estimate.lights[i];
+  if (estimator::IsUndetermined(estimate, "lights/" + std::to_string(i) + "/distance"))
+    return "near, distance not known";
   if (light.near && light.distance)
     return "distance " + Measure(*light.distance, light.distance_sigma.value_or(0.0)) + " " + unit;
   if (light.distance_min)
@@ -56,35 +68,42 @@ std::string DistanceText(const LightEstimate& light, const std::string& unit) {
   return "distance unknown";
 }
 
-std::string LightText(const LightEstimate& light, const std::string& unit) {
+std::string LightText(const Estimate& estimate, std::size_t i, const std::string& unit) {
+  const LightEstimate& light = estimate.lights[i];
   const Eigen::Vector3d& u = light.light.direction;
   const bool has_sigma = std::isfinite(light.direction_sigma);
   return Format("(%+.4f, %+.4f, %+.4f)", u.x(), u.y(), u.z()) +
          (has_sigma ? kPlusMinus + Format("%.2g\u00b0", RadToDeg(light.direction_sigma)) : "") +
-         "   " + DistanceText(light, unit) + "   intensity " +
-         Measure(light.light.intensity, light.intensity_sigma.value_or(0.0));
+         "   " + DistanceText(estimate, i, unit) + "   intensity " +
+         MeasureOf(estimate, "lights/" + std::to_string(i) + "/intensity", light.light.intensity,
+                   light.intensity_sigma.value_or(0.0));
 }
 
 std::string ReflectanceText(const Estimate& estimate) {
   const estimator::model::Reflectance& r = estimate.reflectance;
-  std::string text =
-      Row("albedo", Measure(r.albedo[0], estimate.sigma.albedo[0]) + ",  " +
-                        Measure(r.albedo[1], estimate.sigma.albedo[1]) + ",  " +
-                        Measure(r.albedo[2], estimate.sigma.albedo[2])) +
-      Row("ambient", Measure(r.ambient, estimate.sigma.ambient)) +
-      Row("diffuse", Measure(r.diffuse, estimate.sigma.diffuse) +
-                         (r.diffuse_model == estimator::model::DiffuseModel::kOrenNayar
-                              ? ",  roughness " +
-                                    Measure(RadToDeg(r.roughness),
-                                            RadToDeg(estimate.sigma.roughness.value_or(0.0))) +
-                                    "\u00b0"
-                              : ""));
+  const auto of = [&](const std::string& key, double value, double sigma) {
+    return MeasureOf(estimate, "reflectance/" + key, value, sigma);
+  };
+  std::string albedo;
+  for (int c = 0; c < 3; ++c)
+    albedo += (c > 0 ? ",  " : "") +
+              of("albedo/" + std::to_string(c), r.albedo[c], estimate.sigma.albedo[c]);
+  std::string diffuse = of("diffuse", r.diffuse, estimate.sigma.diffuse);
+  if (r.diffuse_model == estimator::model::DiffuseModel::kOrenNayar)
+    diffuse += ",  roughness " +
+               of("roughness_deg", RadToDeg(r.roughness),
+                  RadToDeg(estimate.sigma.roughness.value_or(0.0))) +
+               "\u00b0";
+  const std::string text = Row("albedo", albedo) +
+                           Row("ambient", of("ambient", r.ambient, estimate.sigma.ambient)) +
+                           Row("diffuse", diffuse);
   if (r.specular_model == estimator::model::SpecularModel::kNone)
     return text + Row("specular", "none");
-  return text + Row("specular", Measure(r.specular, estimate.sigma.specular) + ",  shininess " +
-                                    Measure(r.shininess, estimate.sigma.shininess.value_or(0.0)) +
-                                    Format(" (highlight %.3g\u00b0 wide)",
-                                           estimator::results::LobeWidthDeg(r)));
+  std::string specular = of("specular", r.specular, estimate.sigma.specular) + ",  shininess " +
+                         of("shininess", r.shininess, estimate.sigma.shininess.value_or(0.0));
+  if (!estimator::IsUndetermined(estimate, "reflectance/shininess"))
+    specular += Format(" (highlight %.3g\u00b0 wide)", estimator::results::LobeWidthDeg(r));
+  return text + Row("specular", specular);
 }
 
 // "direction of light 1: 0.12 deg, of that 0.1 deg from the pose of the camera (camera-pose): ...".
@@ -141,7 +160,7 @@ std::string Summary(const Estimate& estimate, const std::string& session_name,
                      Plural(estimate.pixels, "pixel") + "\n\n";
   text += Row("model", ModelText(estimate));
   for (std::size_t i = 0; i < estimate.lights.size(); ++i)
-    text += Row("light " + std::to_string(i + 1), LightText(estimate.lights[i], length_unit));
+    text += Row("light " + std::to_string(i + 1), LightText(estimate, i, length_unit));
   text += ReflectanceText(estimate);
   text += Row("residual", Format("%.3g rms of white, from %.3g at the start; %d iterations, %s",
                                  estimate.rms, estimate.initial_rms, estimate.iterations,

@@ -21,8 +21,7 @@ void AnytimeEstimator::Add(const model::Keyframe& keyframe) {
   parts_.push_back(observe::BuildObservations({keyframe}, geometry_, rays_));
   signatures_.push_back(observe::ViewSignature(keyframe));
   if (!small_) {
-    const int block =
-        consistency::BlockFor(camera_, geometry_, {{keyframe.X_WC, keyframe.X_WT}});
+    const int block = consistency::BlockFor(camera_, geometry_, {{keyframe.X_WC, keyframe.X_WT}});
     small_.emplace(consistency::SmallViews{camera_.InBlocks(block), block, {}});
   }
   small_->views.push_back(consistency::MakeSmallView(keyframe, small_->block));
@@ -42,8 +41,7 @@ Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {
   select::Refined refined;
   auto estimate = EstimateObservations(all, signatures, options, nullptr, &refined);
   if (!estimate) return estimate;
-  std::vector<double> rms =
-      RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
+  std::vector<double> rms = RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
   const double largest = *std::max_element(rms.begin(), rms.end());
   doubtful = largest > kOneFrame * Median(rms) ||
              (cold && Unexplained(estimate->rms, observe::EstimateNoise(all)));

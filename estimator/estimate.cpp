@@ -1,10 +1,14 @@
 #include "estimator/estimate.h"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "base/format.h"
+#include "base/messages/messages.h"
 #include "base/stopwatch.h"
 #include "estimator/calibration_response.h"
+#include "estimator/determined.h"
 #include "estimator/exposure_level.h"
 #include "estimator/notes.h"
 #include "estimator/observe/radiance_statistics.h"
@@ -13,19 +17,33 @@
 #include "estimator/residual_maps.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_start.h"
+#include "estimator/view_evidence.h"
 
 namespace turnlight::estimator {
 namespace {
 
+constexpr double kMuchFromBehind = 0.1;  // of what is seen of the target
+constexpr double kRoomForLight = 0.3;    // of white: pictures below it can be exposed longer
+
 // Pictures without a light's share are ambient light alone, unless noise could hide one.
-Status CheckLights(const Estimate& estimate, double noise, double brightest) {
+Status CheckLights(const Estimate& estimate, double noise, double brightest,
+                   const Evidence& evidence) {
   if (!estimate.lights.empty()) return {};
   if (!Unexplained(estimate.rms, noise) && !Noisy(noise, brightest)) return {};
-  return NoEstimateError(
-      Format("no usable estimate: no light explains more of the pictures than ambient light does "
-             "(residual rms %.2g, noise %.2g, brightest radiance %.2g): expose longer, check the "
-             "poses and the masks.",
-             estimate.rms, noise, brightest));
+  const double bright = brightest * evidence.level;
+  const messages::Values values{
+      {"copies", std::to_string(evidence.copies)},
+      {"views", Format("%d pictures", estimate.views)},
+      {"behind", Format("%.0f", 100.0 * evidence.counts.from_behind)},
+      {"rms", Format("%.2g", estimate.rms * evidence.level)},
+      {"noise", Format("%.2g", noise * evidence.level)},
+      {"share", Format("%.0f", 100.0 * noise / std::max(brightest, 1e-300))},
+      {"bright", Format("%.2g", bright)}};
+  if (evidence.copies > 0) return messages::Refuse("no-light/copies", values);
+  if (evidence.counts.from_behind > kMuchFromBehind)
+    return messages::Refuse("no-light/from-behind", values);
+  if (!Noisy(noise, brightest)) return messages::Refuse("no-light/unexplained", values);
+  return messages::Refuse(bright < kRoomForLight ? "no-light/dark" : "no-light/noisy", values);
 }
 
 start::Start StartOf(const observe::Observations& all, double noise,
@@ -49,22 +67,20 @@ double CountViews(const std::vector<cv::Mat>& signatures, double noise, Estimate
 // scaled back. Levels are powers of two: the observations are afterwards what they were.
 Result<Estimate> EstimateAtLevel(observe::Observations& all, const std::vector<cv::Mat>& signatures,
                                  const EstimateOptions& options, double level,
-                                 select::Refined* refined, const CalibrationAsked& calibration) {
+                                 select::Refined* refined, const CalibrationAsked& calibration,
+                                 Evidence evidence) {
   Scale(all, 1.0 / level);
   std::vector<cv::Mat> scaled_signatures;
   for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
   EstimateOptions scaled_options = options;
   if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
-  auto estimate =
-      EstimateObservations(all, scaled_signatures, scaled_options, nullptr, refined, calibration);
+  evidence.level = level;
+  auto estimate = EstimateObservations(all, scaled_signatures, scaled_options, nullptr, refined,
+                                       calibration, evidence);
   Scale(all, level);
   if (!estimate) return estimate;
   Scale(*estimate, level);
-  estimate->notes.push_back(
-      {"exposure",
-       Format("The brightest radiance is about %.2g of white: decisions, and the numbers in their "
-              "reasons, take that as white.",
-              level)});
+  AddNote("exposure", {{"level", Format("%.2g", level)}}, *estimate);
   if (refined) Scale(refined->solution.scene.reflectance, level);
   return estimate;
 }
@@ -74,7 +90,8 @@ Result<Estimate> EstimateAtLevel(observe::Observations& all, const std::vector<c
 Result<Estimate> EstimateWhatIsSeen(const observe::Observations& all, observe::Observations* own,
                                     const std::vector<cv::Mat>& signatures,
                                     const EstimateOptions& options, observe::IntensityMap* map,
-                                    select::Refined* refined, const CalibrationAsked& calibration) {
+                                    select::Refined* refined, const CalibrationAsked& calibration,
+                                    const Evidence& evidence) {
   const Stopwatch stopwatch;
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -87,7 +104,7 @@ Result<Estimate> EstimateWhatIsSeen(const observe::Observations& all, observe::O
     observe::Observations copy;
     if (own == nullptr) copy = all;
     return EstimateAtLevel(own != nullptr ? *own : copy, signatures, options, level, refined,
-                           calibration);
+                           calibration, evidence);
   }
   Tell(options.watch, Part::kStart);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -111,7 +128,7 @@ Result<Estimate> EstimateWhatIsSeen(const observe::Observations& all, observe::O
     response = std::move(*answered);
   }
   FillFromFit(all, result, estimate, response ? &*response : nullptr);
-  if (const Status status = CheckLights(estimate, noise, brightest); !status)
+  if (const Status status = CheckLights(estimate, noise, brightest, evidence); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   AddNotes(estimate);
@@ -134,9 +151,9 @@ model::Scene Estimate::ToScene() const {
 Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, observe::IntensityMap* map,
-                                      select::Refined* refined,
-                                      const CalibrationAsked& calibration) {
-  return EstimateWhatIsSeen(all, nullptr, signatures, options, map, refined, calibration);
+                                      select::Refined* refined, const CalibrationAsked& calibration,
+                                      const Evidence& evidence) {
+  return EstimateWhatIsSeen(all, nullptr, signatures, options, map, refined, calibration, evidence);
 }
 
 Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
@@ -157,11 +174,19 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
       return RespondToCalibration({keyframes.size(), geometry, rays}, all, solution,
                                   *options.calibration, options.watch.stop);
     };
+  const std::vector<calib::RigPoses>& poses = keyframes.poses;
+  Evidence evidence{observed->counts};
+  evidence.copies =
+      static_cast<int>(FindCopies(observed->pixels, observed->signatures, poses).size());
   auto estimate = EstimateWhatIsSeen(observed->pixels, &observed->pixels, observed->signatures,
-                                     options, &out.map, &refined, calibration);
+                                     options, &out.map, &refined, calibration, evidence);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;
+  if (const Status known = LeaveOutUnknown(observed->pixels, out.estimate); !known)
+    return Forward(known);
+  ExplainViews(observed->pixels, observed->signatures, poses, refined.solution.scene,
+               refined.options.evaluate, options.frame_numbers, out.estimate);
   AddOutliersNote(observed->counts, out.estimate);
   AddThinnedNote(observed->pixels, observed->usable, out.estimate);
   AddFacetsNote(geometry.shape(), out.estimate);

@@ -21,6 +21,7 @@
 #include "estimator/observe/intensity_map.h"
 #include "estimator/observe/observations.h"
 #include "estimator/observe/observed_scene.h"
+#include "estimator/observe/usable.h"
 #include "estimator/select/model_selection.h"
 #include "estimator/solve/solver.h"
 #include "estimator/target/geometry.h"
@@ -56,6 +57,8 @@ struct EstimateOptions {
   std::size_t most_pixels = observe::kMostPixels;  // of more, whole blocks are given up evenly
   // Of how many keyframes whose residual maps are made; none: no maps.
   std::function<std::vector<std::size_t>(std::size_t keyframes)> residuals_of;
+  // The keyframes as the session counts them, for words; empty: 0, 1, ...
+  std::vector<std::size_t> frame_numbers;
   Watch watch;
 };
 
@@ -112,6 +115,9 @@ struct Estimate {
   std::vector<std::string> weak;
   std::vector<model::Rung> ladder;
   std::vector<Note> notes;
+  // Keys of result.json, such as "reflectance/diffuse" or "lights/1/intensity", of which the sigma
+  // says that nothing is known: they are null there. See determined.h.
+  std::vector<std::string> undetermined;
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;
@@ -134,6 +140,13 @@ struct EstimateOutput {
   std::vector<double> frame_rms;  // of what the model leaves of each keyframe; 0 of none
 };
 
+// What is known beside the observations: a refusal's words follow from it.
+struct Evidence {
+  observe::FlagCounts counts;  // of the target's pixels
+  int copies = 0;              // views that are copies of others (view_evidence.h)
+  double level = 1.0;          // white, in the observations' radiance
+};
+
 // How a fit of these observations answers to the calibration's errors; nothing: they are none.
 using CalibrationAsked = std::function<Result<std::optional<uncertainty::CalibrationResponse>>(
     const observe::Observations& all, const solve::Solution& solution)>;
@@ -147,7 +160,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const EstimateOptions& options,
                                       observe::IntensityMap* map = nullptr,
                                       select::Refined* refined = nullptr,
-                                      const CalibrationAsked& calibration = {});
+                                      const CalibrationAsked& calibration = {},
+                                      const Evidence& evidence = {});
 
 // Reads each keyframe once, a few at a time. Fails as the source does; with kNoEstimate, in words
 // that say what to do, when nothing usable was observed: everything clipped, everything dark,

@@ -16,36 +16,28 @@ constexpr double kNoisy = 0.15;       // noise over the brightest radiance that 
 
 }  // namespace
 
+void AddNote(const std::string& id, const messages::Values& values, Estimate& out) {
+  out.notes.push_back({messages::CodeOf(id), messages::Text(id, values)});
+}
+
 void AddViewsNote(Estimate& out) {
   if (out.distinct_views < out.views)
-    out.notes.push_back(
-        {"views-add-nothing",
-         std::to_string(out.distinct_views) + " of " + std::to_string(out.views) +
-             " views differ by more than noise; the others add nothing, and the sigmas are those "
-             "of the distinct ones. A homogeneous body of revolution on the axis looks the same at "
-             "every angle: use another target, tilt it, or move the camera."});
+    AddNote(
+        "views-add-nothing",
+        {{"distinct", std::to_string(out.distinct_views)}, {"views", std::to_string(out.views)}},
+        out);
 }
 
 void AddNotes(Estimate& out) {
   AddViewsNote(out);
   if (out.reflectance.specular_model == model::SpecularModel::kNone)
-    out.notes.push_back(
-        {"no-highlight",
-         "No highlight was found: shininess is null, and the lights' places rest on "
-         "diffuse shading alone."});
-  if (out.channels == 1)
-    out.notes.push_back(
-        {"grey", "The pictures are grey: albedo and products repeat one value for R, G and B."});
+    AddNote("no-highlight", {}, out);
+  if (out.channels == 1) AddNote("grey", {}, out);
   const bool any_distant = std::any_of(out.lights.begin(), out.lights.end(),
                                        [](const LightEstimate& l) { return !l.near; });
-  if (any_distant)
-    out.notes.push_back({"distance-unknown",
-                         "Lights with distance null are too far for the data to tell how far; "
-                         "distance_min is a 95 % bound."});
-  if (out.stopped == solve::Stopped::kIterationLimit)
-    out.notes.push_back({"not-converged", "The solver reached its limit of iterations."});
-  if (out.stopped == solve::Stopped::kNotFinite)
-    out.notes.push_back({"not-converged", "The model is not finite where the solver stands."});
+  if (any_distant) AddNote("distance-unknown", {}, out);
+  if (out.stopped == solve::Stopped::kIterationLimit) AddNote("not-converged", {}, out);
+  if (out.stopped == solve::Stopped::kNotFinite) AddNote("not-converged/not-finite", {}, out);
 }
 
 bool Unexplained(double rms, double noise) { return rms > kUnexplained * noise; }
@@ -55,29 +47,25 @@ bool Noisy(double noise, double brightest) { return noise > kNoisy * brightest; 
 void AddCountNote(double noise, double brightest, Estimate& out) {
   constexpr std::size_t kFewPixels = 1000;
   if (Noisy(noise, brightest))
-    out.notes.push_back({"count-uncertain",
-                         Format("The noise is %.2g, %.0f %% of the brightest radiance: lights and "
-                                "highlights may be hidden in it.",
-                                noise, 100.0 * noise / brightest)});
+    AddNote(
+        "count-uncertain/noise",
+        {{"noise", Format("%.2g", noise)}, {"share", Format("%.0f", 100.0 * noise / brightest)}},
+        out);
   if (out.pixels < kFewPixels)
-    out.notes.push_back(
-        {"count-uncertain",
-         Format("Only %zu pixels are usable: they may not show every light.", out.pixels)});
-  if (!Unexplained(out.rms, noise)) return;
-  out.notes.push_back(
-      {"count-uncertain",
-       Format("The model leaves %.3g rms of the pictures unexplained, %.1f times their noise: a "
-              "light, a shadow or a property of the surface may be missing, and the number of "
-              "lights is uncertain.",
-              out.rms, out.rms / std::max(noise, 1e-12))});
+    AddNote("count-uncertain/few-pixels", {{"pixels", std::to_string(out.pixels)}}, out);
+  if (Unexplained(out.rms, noise))
+    AddNote("count-uncertain/unexplained",
+            {{"rms", Format("%.3g", out.rms)},
+             {"times", Format("%.1f", out.rms / std::max(noise, 1e-12))}},
+            out);
 }
 
 void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out) {
   if (!observe::ManyOutliers(counts)) return;
-  out.notes.push_back(
-      {"outliers", Format("%zu of %zu target pixels are unlike all around them and were left out; "
-                          "some may have been missed.",
-                          counts.outliers, counts.on_target)});
+  AddNote(
+      "outliers",
+      {{"count", std::to_string(counts.outliers)}, {"on_target", std::to_string(counts.on_target)}},
+      out);
 }
 
 void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estimate& out) {

@@ -1,13 +1,17 @@
 // What a reader of an estimate has to be told, each with a stable code.
 #pragma once
 
+#include "base/messages/messages.h"
 #include "calib/target_shape.h"
 #include "estimator/estimate.h"
 #include "estimator/observe/usable.h"
 
 namespace turnlight::estimator {
 
-// Codes "views-add-nothing"; of what the estimate holds.
+// A row of the table of messages as a note.
+void AddNote(const std::string& id, const messages::Values& values, Estimate& out);
+
+// Code "views-add-nothing"; of what the estimate holds.
 void AddViewsNote(Estimate& out);
 
 // The same, and "no-highlight", "grey", "distance-unknown", "not-converged".

@@ -20,7 +20,9 @@ Status WaitForEnter(const std::string& text, const StopFlag* stop) {
     char byte = 0;
     if (::read(STDIN_FILENO, &byte, 1) <= 0) {
       std::cerr << std::endl;
-      return InputError("standard input has ended, so nobody can be asked to go on");
+      if (StopRequested(stop)) return InterruptedError();  // the terminal was closed
+      return InputError(
+          "standard input has ended, so nobody can be asked to go on; --yes asks nobody");
     }
     if (byte == '\n') return {};
   }

@@ -168,9 +168,13 @@ Check JudgePackets(const FrameTrial& trial) {
                               trial.asked, trial.again, 100.0 * trial.again / trial.asked);
   if (trial.packets_missing) figure += Format(", %.0f packets missing", *trial.packets_missing);
   if (trial.packets_resent) figure += Format(", %.0f sent again", *trial.packets_resent);
+  const bool lost_on_the_way =
+      trial.packets_missing.value_or(0.0) + trial.packets_resent.value_or(0.0) > 0.0;
   const std::string advice =
-      "look at the socket buffer and the packet size above; check cable, switch, and what else "
-      "uses this network or USB controller";
+      lost_on_the_way ? "look at the socket buffer and the packet size above; check cable, switch, "
+                        "and what else uses this network or USB controller"
+                      : "compare capture/frame_timeout_s with the exposure; check the trigger, the "
+                        "cable, and what else uses this network or USB controller";
   if (trial.good < trial.asked) return Failed(figure + "; " + trial.error, advice);
   const bool lossy = trial.again > 0 || trial.packets_missing.value_or(0.0) > 0.0;
   return lossy ? Warning(figure, advice) : Fine(figure);
@@ -216,6 +220,10 @@ Check CheckTurn(Patient& patient) {
   const auto closure = TurnOnce(patient, LevelsOfPatient(patient));
   if (!closure) return Failed(closure.error().text, "check the table, then give the command again");
   if (closure->closed) return Fine(closure->text);
+  if (closure->difference.blocks == 0)
+    return Failed(closure->text,
+                  "mend the light first: nothing was compared, so that this says "
+                  "nothing of the table");
   return Failed(closure->text,
                 "check the steps per degree (of GRBL $100), the coupling and that the target lies "
                 "firm; a slower rig/table/speed_deg_s loses fewer steps");

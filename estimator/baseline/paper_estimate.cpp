@@ -14,6 +14,7 @@
 #include "estimator/observe/views.h"
 #include "estimator/residual_maps.h"
 #include "estimator/solve/coordinates.h"
+#include "estimator/view_evidence.h"
 
 namespace turnlight::estimator::baseline {
 namespace {
@@ -45,22 +46,11 @@ std::string CountText(const PaperSolution& solution) {
 }
 
 void AddPaperNotes(const PaperOptions& options, Estimate& out) {
-  out.notes.push_back(
-      {"distance-brightness-equivalent",
-       std::string("The paper's lights have no intensity of their own: each is taken to be as "
-                   "bright as one that gives the irradiance 1 from the distance ") +
-           Format("%.6g", options.ceiling_distance) +
-           " (--ceiling-distance, in the session's unit). Distances and positions are those of "
-           "such a light, not metric."});
-  out.notes.push_back({"sigma-none",
-                       "The paper's method states no uncertainty: sigmas, distance_min and "
-                       "identifiability/condition are null. Directions are those of the intensity "
-                       "map's clusters and are not refined."});
-  if (out.channels == 1)
-    out.notes.push_back(
-        {"grey", "The pictures are grey: albedo and products repeat one value for R, G and B."});
-  if (out.stopped == solve::Stopped::kIterationLimit)
-    out.notes.push_back({"not-converged", "The descent reached its limit of iterations."});
+  AddNote("distance-brightness-equivalent",
+          {{"distance", Format("%.6g", options.ceiling_distance)}}, out);
+  AddNote("sigma-none", {}, out);
+  if (out.channels == 1) AddNote("grey", {}, out);
+  if (out.stopped == solve::Stopped::kIterationLimit) AddNote("not-converged/descent", {}, out);
 }
 
 // Lights, reflectance, residuals, decisions and notes.
@@ -127,6 +117,10 @@ Result<EstimateOutput> EstimateByPaper(const model::KeyframeSource& keyframes,
   estimate.distinct_views =
       observe::DistinctViews(observed->signatures, observe::EstimateNoise(all));
   AddViewsNote(estimate);
+  std::vector<calib::RigPoses> poses;
+  for (const model::Keyframe& keyframe : keyframes) poses.push_back({keyframe.X_WC, keyframe.X_WT});
+  ExplainViews(all, observed->signatures, poses, solution->scene, {}, options.frame_numbers,
+               estimate);
   AddOutliersNote(observed->counts, estimate);
   AddThinnedNote(all, observed->usable, estimate);
   estimate.initial_s = mapped;

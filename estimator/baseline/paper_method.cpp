@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/angles.h"
+#include "base/messages/messages.h"
 #include "estimator/observe/radiance_statistics.h"
 #include "estimator/solve/normal_equations.h"
 #include "estimator/solve/solver.h"
@@ -182,11 +183,7 @@ Result<PaperSolution> SolveByPaper(const observe::Observations& observations,
                                    const StopFlag* stop) {
   PaperSolution out;
   out.clusters = PaperClusters(map, options.up);
-  if (out.clusters.empty())
-    return NoEstimateError(
-        "no usable estimate: no pixel's mirrored view direction lies within 90 degrees of the "
-        "plane's normal (of W's +z for other targets), so the paper's intensity map is empty: move "
-        "the camera, or use --method lm.");
+  if (out.clusters.empty()) return messages::Refuse("paper-no-light");
   std::vector<Eigen::Vector3d> directions;
   for (const PaperCluster& cluster : out.clusters) directions.push_back(cluster.centroid);
   const PaperProblem problem(observations, directions, options.ceiling_distance);

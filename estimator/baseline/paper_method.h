@@ -28,6 +28,7 @@ struct PaperOptions {
   double ceiling_distance = 2500.0;               // d0 > 0, in the session's length unit
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // zenith angle 0; unit, in W
   int max_iterations = 228;                       // the most that the paper shows
+  std::vector<std::size_t> frame_numbers;         // as EstimateOptions has them
 };
 
 // Where the paper measures zenith angles from: a plane's normal, W's +z for other shapes. A plane

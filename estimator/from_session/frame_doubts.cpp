@@ -12,8 +12,8 @@
 namespace turnlight::estimator::from_session {
 namespace {
 
-constexpr double kOneFrame = 3.0;     // times the usual rms that one frame may leave
-constexpr double kMaskStep = 0.05;    // of the target
+constexpr double kOneFrame = 3.0;      // times the usual rms that one frame may leave
+constexpr double kMaskStep = 0.05;     // of the target
 constexpr std::size_t kMostNamed = 6;  // odd frames in a note
 constexpr std::size_t kMostAlike = 2;
 
@@ -114,12 +114,12 @@ Result<ModelCheck> CheckModel(const std::filesystem::path& folder, const StopFla
                     images->mask, frame.X_WC, frame.X_WT});
   }
   ModelCheck out;
-  out.found = consistency::CheckConsistency(copies.views(), copies.angles_deg(), geometry, {}, true,
-                                            stop);
+  out.found =
+      consistency::CheckConsistency(copies.views(), copies.angles_deg(), geometry, {}, true, stop);
   if (StopRequested(stop)) return InterruptedError();
   for (std::size_t k = 0; k < out.found.frames.frames.size(); ++k)
-    out.frames.push_back({k, session->frames[k].angle_deg, session->frames[k].image,
-                          out.found.frames.frames[k]});
+    out.frames.push_back(
+        {k, session->frames[k].angle_deg, session->frames[k].image, out.found.frames.frames[k]});
   return out;
 }
 

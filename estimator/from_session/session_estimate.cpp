@@ -13,8 +13,8 @@
 #include "estimator/baseline/paper_estimate.h"
 #include "estimator/from_session/calibration_errors.h"
 #include "estimator/from_session/frame_doubts.h"
-#include "estimator/residual_maps.h"
 #include "estimator/memory_need.h"
+#include "estimator/residual_maps.h"
 #include "rig/session_calibration.h"
 
 namespace turnlight::estimator::from_session {
@@ -53,10 +53,17 @@ class Stages {
   std::size_t done_ = 0, total_ = 0;
 };
 
-// Frames floor(i F / N).
-Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session,
-                                              const std::optional<int>& views) {
+// Those of --frames, or frames floor(i F / N).
+Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session, const Options& options) {
+  const std::optional<int>& views = options.views;
   const std::size_t all = session.frames.size();
+  if (!options.frames.empty()) {
+    if (views) return InputError("--frames: not with --views, which chooses frames, too");
+    if (options.frames.back() < all) return options.frames;
+    return InputError("--frames: " + std::to_string(options.frames.back()) + ", allowed are 0 to " +
+                      std::to_string(all - 1) + ", the session's " + std::to_string(all) +
+                      " frames");
+  }
   if (views && (*views < 1 || static_cast<std::size_t>(*views) > all))
     return InputError("--views: " + std::to_string(*views) +
                       ", allowed are at most the session's " + std::to_string(all) + " frames");
@@ -154,7 +161,7 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   auto session = rig::ReadSession(folder);
   if (!session) return Forward(session);
   if (const Status status = CheckOptions(options); !status) return Forward(status);
-  auto chosen = ChooseFrames(*session, options.views);
+  auto chosen = ChooseFrames(*session, options);
   if (!chosen) return Forward(chosen);
   auto calibration = rig::ReadSessionCalibration(*session);
   if (!calibration) return Forward(calibration);
@@ -171,7 +178,7 @@ Result<Loaded> Load(const std::filesystem::path& folder, const Options& options)
   if (*closure && options.on_closure) options.on_closure(**closure);
   return Loaded{std::move(*session),  std::move(*calibration), std::move(*chosen),
                 std::move(keyframes), std::move(geometry),     std::move(*closure),
-                std::move(repairs),          std::move(facts)};
+                std::move(repairs),   std::move(facts)};
 }
 
 Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
@@ -181,6 +188,7 @@ Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGri
   if (!distance) return Forward(distance);
   baseline::PaperOptions paper;
   paper.ceiling_distance = *distance;
+  paper.frame_numbers = loaded.chosen;
   paper.up = baseline::PaperUp(loaded.keyframes.poses, loaded.geometry);
   return baseline::EstimateByPaper(loaded.keyframes, loaded.geometry, rays, paper, estimate);
 }
@@ -217,6 +225,7 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const calib::RayGrid
     return EstimateByPaper(loaded, rays, options, estimate);
   estimate.initial = options.initial;
   estimate.model = options.model;
+  estimate.frame_numbers = loaded.chosen;
   std::optional<CalibrationErrors> errors;
   if (loaded.calibration) {
     errors = ErrorsOf(*loaded.calibration, loaded.session, loaded.chosen, loaded.geometry);
@@ -227,8 +236,9 @@ Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const calib::RayGrid
 
 // The same without some of the keyframes.
 Loaded Without(const Loaded& loaded, const std::vector<std::size_t>& views) {
-  Loaded out{loaded.session, loaded.calibration, {}, {}, target::Geometry(loaded.geometry.shape()),
-             loaded.closure, loaded.repairs, nullptr};
+  Loaded out{
+      loaded.session, loaded.calibration, {},     {}, target::Geometry(loaded.geometry.shape()),
+      loaded.closure, loaded.repairs,     nullptr};
   for (std::size_t k = 0; k < loaded.chosen.size(); ++k)
     if (!std::binary_search(views.begin(), views.end(), k)) out.chosen.push_back(loaded.chosen[k]);
   out.facts = std::make_shared<std::vector<rig::PictureFacts>>(out.chosen.size());
@@ -265,7 +275,12 @@ Result<EstimateOutput> LookCloser(Loaded& loaded, const calib::RayGrid& rays,
   }
   const std::vector<std::size_t> odd = OddViews(found);
   if (odd.empty()) return output;
-  const Note note = NoteOfOddFrames(loaded.session, loaded.chosen, found, true);
+  const bool by_hand = !options.frames.empty();
+  const Note note = NoteOfOddFrames(loaded.session, loaded.chosen, found, !by_hand);
+  if (by_hand) {
+    if (output) output->estimate.notes.push_back(note);
+    return output;
+  }
   Loaded rest = Without(loaded, odd);
   auto better = EstimateLoaded(rest, rays, options, stages, nullptr);
   if (!better) return better;

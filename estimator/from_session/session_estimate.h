@@ -39,6 +39,7 @@ inline constexpr std::size_t kFewestPixels = 10'000, kMostPixelsAllowed = 1'000'
 struct Options {
   results::Method method = results::Method::kLeastSquares;
   std::optional<int> views;                    // frames floor(i F / N), 1..F
+  std::vector<std::size_t> frames;             // these, ascending; not beside views; empty: all
   std::optional<model::InitialGuess> initial;  // of kLeastSquares only
   model::ModelChoice model;                    // of kLeastSquares only; no lights beside initial
   std::optional<double> ceiling_distance_m;    // of kPaper only; metres

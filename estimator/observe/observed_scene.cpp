@@ -2,7 +2,6 @@
 
 #include "estimator/observe/keyframe_tracer.h"
 #include "estimator/observe/observations_builder.h"
-#include "estimator/observe/back_faces.h"
 #include "estimator/observe/views.h"
 
 namespace turnlight::estimator::observe {
@@ -15,7 +14,9 @@ Result<ObservedScene> ObserveScene(const model::KeyframeSource& keyframes,
   const auto put = [&](std::size_t k, const model::Keyframe& keyframe, KeyframeTracer& tracer) {
     builder.Add(keyframe, tracer);
     out.counts = CountFlags({tracer.flags()}, out.counts);
-    CountBackFaces(keyframe, geometry, rays, out.counts);
+    CountValues(keyframe, tracer.flags(), out.counts);
+    out.counts.from_behind +=
+        ShareFromBehind(keyframe, geometry, rays) / static_cast<double>(keyframes.size());
     out.signatures.push_back(ViewSignature(keyframe));
     if (options.on_keyframe) options.on_keyframe(k, keyframe);
   };

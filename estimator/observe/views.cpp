@@ -8,6 +8,22 @@ namespace {
 
 constexpr std::size_t kMostOfPicture = 100'000;  // pixels
 
+bool AreAlike(const cv::Mat& one, const cv::Mat& other, double limit) {
+  if (other.size() != one.size() || other.type() != one.type()) return false;
+  double sum = 0.0;
+  std::size_t count = 0;
+  const float* a = one.ptr<float>();
+  const float* b = other.ptr<float>();
+  const std::size_t values = one.total() * static_cast<std::size_t>(one.channels());
+  for (std::size_t i = 0; i < values; ++i) {
+    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
+    const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+    sum += difference * difference;
+    ++count;
+  }
+  return count > 0 && sum <= limit * limit * static_cast<double>(count);
+}
+
 }  // namespace
 
 cv::Mat ViewSignature(const model::Keyframe& keyframe) {
@@ -22,28 +38,25 @@ cv::Mat ViewSignature(const model::Keyframe& keyframe) {
   return out;
 }
 
-int DistinctViews(const std::vector<cv::Mat>& signatures, double noise) {
-  std::vector<const cv::Mat*> distinct;
-  for (const cv::Mat& signature : signatures) {
-    const auto same = [&](const cv::Mat* other) {
-      if (other->size() != signature.size() || other->type() != signature.type()) return false;
-      double sum = 0.0;
-      std::size_t count = 0;
-      const float* a = signature.ptr<float>();
-      const float* b = other->ptr<float>();
-      const std::size_t values = signature.total() * static_cast<std::size_t>(signature.channels());
-      for (std::size_t i = 0; i < values; ++i) {
-        if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
-        const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-        sum += difference * difference;
-        ++count;
-      }
-      const double limit = 1.5 * std::sqrt(2.0) * noise + 1e-6;
-      return count > 0 && sum <= limit * limit * static_cast<double>(count);
-    };
-    if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(&signature);
+double LikeLimit(double noise) { return 1.5 * std::sqrt(2.0) * noise + 1e-6; }
+
+std::vector<std::pair<int, int>> LikeViews(const std::vector<cv::Mat>& signatures, double noise) {
+  std::vector<int> distinct;
+  std::vector<std::pair<int, int>> like;
+  for (int k = 0; k < static_cast<int>(signatures.size()); ++k) {
+    const auto earlier = std::find_if(distinct.begin(), distinct.end(), [&](int other) {
+      return AreAlike(signatures[k], signatures[other], LikeLimit(noise));
+    });
+    if (earlier == distinct.end())
+      distinct.push_back(k);
+    else
+      like.emplace_back(k, *earlier);
   }
-  return static_cast<int>(distinct.size());
+  return like;
+}
+
+int DistinctViews(const std::vector<cv::Mat>& signatures, double noise) {
+  return static_cast<int>(signatures.size() - LikeViews(signatures, noise).size());
 }
 
 }  // namespace turnlight::estimator::observe

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <utility>
 #include <vector>
 
 #include "estimator/model/keyframe.h"
@@ -12,8 +13,13 @@ namespace turnlight::estimator::observe {
 // of a large one.
 cv::Mat ViewSignature(const model::Keyframe& keyframe);
 
-// Views whose pictures differ by more than noise (sigma of a value) from every earlier distinct
-// one.
+// The rms difference up to which two pictures are alike within noise (sigma of a value).
+double LikeLimit(double noise);
+
+// Views whose pictures are like an earlier one's, each with the first such view.
+std::vector<std::pair<int, int>> LikeViews(const std::vector<cv::Mat>& signatures, double noise);
+
+// The number of the others: they differ from every earlier distinct one.
 int DistinctViews(const std::vector<cv::Mat>& signatures, double noise);
 
 }  // namespace turnlight::estimator::observe

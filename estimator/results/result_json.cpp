@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/angles.h"
+#include "base/messages/messages.h"
 
 namespace turnlight::estimator::results {
 namespace {
@@ -224,19 +225,16 @@ std::string List(const std::vector<std::size_t>& numbers) {
 // "no-highlight").
 std::vector<Note> NotesOnNulls(const Estimate& estimate) {
   std::vector<Note> notes;
+  const auto add = [&notes](const std::string& id, const messages::Values& values) {
+    notes.push_back({messages::CodeOf(id), messages::Text(id, values)});
+  };
   std::vector<std::size_t> unbounded;
   for (std::size_t i = 0; i < estimate.lights.size(); ++i)
     if (!estimate.lights[i].distance_min) unbounded.push_back(i + 1);
-  if (!unbounded.empty())
-    notes.push_back({"null-distance-min", "distance_min is null for light " + List(unbounded) +
-                                              ": the data do not bound its distance from below."});
+  if (!unbounded.empty()) add("null-distance-min", {{"lights", List(unbounded)}});
   if (!estimate.lights.empty() && !estimate.lights.front().intensity_sigma)
-    notes.push_back({"null-intensity-sigma",
-                     "intensity_sigma is null for light 1: the strongest light's intensity is 1 by "
-                     "definition; the sigmas of products do not depend on that."});
-  if (!std::isfinite(estimate.condition))
-    notes.push_back({"null-condition",
-                     "identifiability/condition is null: the normal equations are singular."});
+    add("null-intensity-sigma", {});
+  if (!std::isfinite(estimate.condition)) add("null-condition", {});
   return notes;
 }
 
@@ -268,8 +266,8 @@ void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
   for (const char* key : {"stat", "budget"}) products.erase(key);
   CollectNullSigmas(products, "products", list);
   if (!list.empty())
-    json["notes"].push_back(ordered_json{
-        {"code", "null-sigma"}, {"text", "The data do not determine the sigma of " + list + "."}});
+    json["notes"].push_back(ordered_json{{"code", "null-sigma"},
+                                         {"text", messages::Text("null-sigma", {{"list", list}})}});
 }
 
 ordered_json NotesToJson(const Estimate& estimate) {
@@ -314,6 +312,8 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
       ordered_json{{"condition", ToJson(estimate.condition)}, {"weak", estimate.weak}};
   json["notes"] = NotesToJson(estimate);
   if (estimate.has_sigmas) NoteNullSigmas(estimate, json);
+  for (const std::string& key : estimate.undetermined)
+    json[ordered_json::json_pointer("/" + key)] = nullptr;
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;

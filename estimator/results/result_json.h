@@ -21,9 +21,10 @@ struct RunTimes {
 };
 
 // The file's text. Keys in the design's order; numbers read back to the same bits. What the data do
-// not determine is null, and a note says why. `color` stands in a light only if it is not white,
-// `roughness_deg` in the reflectance only for Oren-Nayar. "x-residual-history", of Method::kPaper
-// only: the residual's rms at the start and after every iteration.
+// not determine is null (Estimate::undetermined), and a note says why. `color` stands in a light
+// only if it is not white, `roughness_deg` in the reflectance only for Oren-Nayar.
+// "x-residual-history", of Method::kPaper only: the residual's rms at the start and after every
+// iteration.
 std::string ResultToJson(const Estimate& estimate, const std::string& session_name, Method method,
                          const RunTimes& times);
 

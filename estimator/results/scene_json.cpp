@@ -1,6 +1,7 @@
 #include "estimator/results/scene_json.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,10 @@ constexpr double kMaxDisagreementDeg = 0.1;
 constexpr double kMaxDistanceDisagreement = 1e-3;
 
 enum class Purpose { kRender, kGuess };
+
+constexpr char kNotDetermined[] =
+    "null: that estimate did not determine it; write a number in its place, or estimate from more "
+    "pictures";
 
 Eigen::Vector3d ToVector(const std::vector<double>& numbers) {
   return {numbers[0], numbers[1], numbers[2]};
@@ -102,7 +107,9 @@ Result<LightRead> ReadLight(StrictObject object, Purpose purpose, bool from_resu
   }
   const auto intensity = OptionalNumberOrNull(object, "intensity", {.min = 0.0});
   if (object.ok() && purpose == Purpose::kRender && !intensity)
-    object.RefuseText("intensity", "this key is missing, and rendering needs it");
+    object.RefuseText("intensity", from_result && object.Has("intensity")
+                                       ? kNotDetermined
+                                       : "this key is missing, and rendering needs it");
   read.light.intensity = intensity.value_or(1.0);
   read.has_intensity = intensity.has_value();
   if (const auto color = object.OptionalNumbers("color", 3, {.min = 0.0}))
@@ -163,7 +170,29 @@ double RoughnessOf(StrictObject& object, DiffuseModel model) {
   return 0.0;
 }
 
-Result<Reflectance> ReadResultReflectance(StrictObject object, StrictObject model) {
+bool HasNull(const nlohmann::json& value) {
+  return value.is_null() ||
+         (value.is_array() && std::any_of(value.begin(), value.end(),
+                                          [](const auto& element) { return element.is_null(); }));
+}
+
+// A value that the estimate did not determine: the first key that is null. None: "".
+std::string NullKeyOf(StrictObject& object, StrictObject& model) {
+  std::vector<std::string> keys{"albedo", "ambient", "diffuse"};
+  if (model.Raw("specular") != WordOf(SpecularModel::kNone))
+    keys.insert(keys.end(), {"specular", "shininess"});
+  if (model.Raw("diffuse") == WordOf(DiffuseModel::kOrenNayar)) keys.push_back("roughness_deg");
+  for (const std::string& key : keys)
+    if (object.Has(key) && HasNull(object.Raw(key))) return key;
+  return "";
+}
+
+// Nothing where something is not determined, of a guess: it is done without.
+Result<std::optional<Reflectance>> ReadResultReflectance(StrictObject object, StrictObject model,
+                                                         Purpose purpose) {
+  const std::string null_key = NullKeyOf(object, model);
+  if (!null_key.empty() && purpose == Purpose::kGuess) return std::optional<Reflectance>();
+  if (!null_key.empty()) object.RefuseText(null_key, kNotDetermined);
   Reflectance reflectance;
   reflectance.specular_model = ReadWord<SpecularModel>(model, "specular");
   reflectance.diffuse_model = ReadWord<DiffuseModel>(model, "diffuse");
@@ -177,7 +206,7 @@ Result<Reflectance> ReadResultReflectance(StrictObject object, StrictObject mode
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
-  return reflectance;
+  return std::optional(reflectance);
 }
 
 Result<SceneRead> ReadResult(StrictObject object, Purpose purpose) {
@@ -189,7 +218,7 @@ Result<SceneRead> ReadResult(StrictObject object, Purpose purpose) {
   StrictObject model_object = object.Object("model");
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
-  auto reflectance = ReadResultReflectance(reflectance_object, model_object);
+  auto reflectance = ReadResultReflectance(reflectance_object, model_object, purpose);
   if (!reflectance) return Forward(reflectance);
   read->reflectance = *reflectance;
   return read;

@@ -149,12 +149,9 @@ struct Geometry::MeshTracer {
     return Recompute(primitive, origin, direction);
   }
 
-  bool MeetsBack(const Vector3d& origin, const Vector3d& direction) const {
+  bool SeesBack(const Vector3d& origin, const Vector3d& direction) const {
     const unsigned primitive = FirstFace(origin, direction);
-    if (primitive == RTC_INVALID_GEOMETRY_ID) return false;
-    const Eigen::Vector3i& face = mesh.faces[primitive];
-    const Vector3d& a = mesh.vertices[face[0]];
-    return (mesh.vertices[face[1]] - a).cross(mesh.vertices[face[2]] - a).dot(direction) > 0.0;
+    return primitive != RTC_INVALID_GEOMETRY_ID && !Recompute(primitive, origin, direction);
   }
 
   // The hit with a known face in double precision: Moeller and Trumbore, "Fast, Minimum Storage
@@ -225,8 +222,11 @@ std::optional<SurfacePoint> Geometry::Intersect(const Vector3d& origin,
   return mesh_->Intersect(origin, direction);
 }
 
-bool Geometry::MeetsBack(const Vector3d& origin, const Vector3d& direction) const {
-  return mesh_ && mesh_->MeetsBack(origin, direction);
+bool Geometry::SeesBack(const Vector3d& origin, const Vector3d& direction) const {
+  if (const auto* plane = std::get_if<calib::PlaneShape>(shape_.get()))
+    return plane->sides == 1 && direction.z() > 0.0 &&
+           IntersectPlane({plane->width, plane->height, 2}, origin, direction).has_value();
+  return mesh_ && mesh_->SeesBack(origin, direction);
 }
 
 bool Geometry::CanShadowItself() const { return mesh_ != nullptr; }

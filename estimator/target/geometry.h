@@ -34,9 +34,8 @@ class Geometry {
   // face seen from its back hides what lies behind it and gives nothing itself.
   std::optional<SurfacePoint> Intersect(const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction) const;
-
-  // Whether the first face of a mesh along the ray is seen from its back. False for other shapes.
-  bool MeetsBack(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+  // Whether the first surface along the ray is seen from its back, so that Intersect gives nothing.
+  bool SeesBack(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
   // Whether anything of the target lies strictly between a surface point and what is at
   // origin + direction * max_distance (infinity for a distant light). normal is the geometric

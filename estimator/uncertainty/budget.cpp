@@ -4,7 +4,7 @@ namespace turnlight::estimator::uncertainty {
 
 const BudgetWords& NoiseWords() {
   static const BudgetWords kWords{"noise", "noise of the pictures, and residuals that go together",
-                                  "take more views, or expose longer"};
+                                  "take more views, or average pictures"};
   return kWords;
 }
 

@@ -41,7 +41,8 @@ Result<LogReader> LogReader::Open(const std::filesystem::path& path) {
   reader.path_ = path;
   reader.file_.reset(std::fopen(path.c_str(), "rbe"));
   if (!reader.file_)
-    return InputError(path.string() + ": cannot open the log: " + std::strerror(errno));
+    return InputError(path.string() + ": cannot open the log: " + std::strerror(errno) +
+                      ", allowed is the file log in the folder of a run");
   struct stat info {};
   if (::fstat(::fileno(reader.file_.get()), &info) != 0 || !S_ISREG(info.st_mode))
     return InputError(path.string() + ": not a regular file");

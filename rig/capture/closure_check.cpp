@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "base/format.h"
+#include "base/messages/messages.h"
 #include "rig/session/image_file.h"
 #include "rig/session/journal.h"
 #include "rig/session/session.h"
@@ -12,19 +13,27 @@
 namespace turnlight::rig {
 namespace {
 
+constexpr double kMuchClipped = 0.25;  // of a picture's pixels
+
+// Why no part of the two pictures could be compared.
+std::string WhyNothing(const cv::Mat& first, const cv::Mat& closure,
+                       const calib::Radiometry& radiometry) {
+  const FrameStatistics a = MeasureFrame(first, radiometry), b = MeasureFrame(closure, radiometry);
+  const double clipped = std::max(a.saturated_share, b.saturated_share);
+  if (clipped > kMuchClipped)
+    return messages::Text("closure-clipped", {{"share", Format("%.0f", 100.0 * clipped)}});
+  return messages::Text("closure-dark",
+                        {{"bright", Format("%.2g", std::min(a.bright_level, b.bright_level))}});
+}
+
 std::string Describe(const ClosureCheck& check) {
-  if (check.difference.blocks == 0) return "the pictures are too dark to be compared";
-  const std::string text = Format(
-      "the picture at %.10g\u00b0 differs from the one at %.10g\u00b0 by %.2g %%, %.2g "
-      "times what noise explains; ",
-      check.closure_deg, check.first_deg, 100.0 * check.difference.block_share,
-      check.difference.block_sigmas);
-  if (check.closed) return text + "the table kept its place";
-  return text +
-         Format(
-             "allowed is %.2g %% or %.2g times: the table lost its place, the target moved or "
-             "the light changed, and the angles of this capture are not to be trusted",
-             100.0 * kClosureShare, kClosureSigmas);
+  return messages::Text(check.closed ? "closure-closed" : "closure-open",
+                        {{"closure", Format("%.10g", check.closure_deg)},
+                         {"first", Format("%.10g", check.first_deg)},
+                         {"share", Format("%.2g", 100.0 * check.difference.block_share)},
+                         {"sigmas", Format("%.2g", check.difference.block_sigmas)},
+                         {"most_share", Format("%.2g", 100.0 * kClosureShare)},
+                         {"most_sigmas", Format("%.2g", kClosureSigmas)}});
 }
 
 }  // namespace
@@ -37,7 +46,8 @@ ClosureCheck CompareClosure(double first_deg, const cv::Mat& first, double closu
   check.difference = CompareFrames(first, closure, radiometry);
   check.closed = check.difference.blocks > 0 && (check.difference.block_sigmas <= kClosureSigmas ||
                                                  check.difference.block_share <= kClosureShare);
-  check.text = Describe(check);
+  check.text =
+      check.difference.blocks > 0 ? Describe(check) : WhyNothing(first, closure, radiometry);
   return check;
 }
 

@@ -314,15 +314,26 @@ Status SessionRecorder::WriteSessionFiles() {
 }
 
 // Adds to an error of the system what helps to go on, and holds it against every further call.
+namespace {
+
+// What can be done then. Before there is a journal nothing was begun that could be gone on with.
+std::string WhenTheDiskIsWell(const fs::path& root) {
+  std::error_code code;
+  return fs::exists(root / kJournalFile, code)
+             ? "when the disk is well again, `turnlight resume` completes the capture"
+             : "nothing was begun: make room, or name a folder on another disk, and start again";
+}
+
+}  // namespace
+
 Status SessionRecorder::Break(const Status& status) {
   Error error = status.error();
   if (error.kind == ErrorKind::kSystem) {
     const std::int64_t free = ops_->FreeBytes(ExistingFolder(root_).c_str());
     error.text += "; " + (free < 0 ? "an unknown number of" : std::to_string(free)) +
                   " bytes are free in " + root_.string() + "; " + std::to_string(entries_.size()) +
-                  " of " + std::to_string(planned_.size()) +
-                  " frames are safe; when the disk is well again, `turnlight resume` completes the "
-                  "capture";
+                  " of " + std::to_string(planned_.size()) + " frames are safe; " +
+                  WhenTheDiskIsWell(root_);
   }
   broken_ = error;
   return tl::unexpected<Error>(error);

@@ -89,7 +89,9 @@ Result<Picture> ReadNamedPicture(const fs::path& file, const std::string& key,
   const std::string is = sha256 ? Sha256Hex(*bytes) : std::string();
   if (sha256 && is != *sha256)
     return InputError(file.string() + ": the file changed: its SHA-256 is " + is + ", " + key +
-                      " is " + *sha256);
+                      " is " + *sha256 +
+                      "; copy it again from where it was made, or remove that key if the change "
+                      "was meant");
   return DecodePicture(*bytes, file, size);
 }
 

@@ -45,7 +45,7 @@ struct Misuse {
 
 TEST(CommandLine, WrongUsageIsRefusedWithTheNearestWord) {
   for (const Misuse& misuse : {
-           Misuse{{}, "subcommand is required"},
+           Misuse{{}, "a command is missing, allowed are run, plan"},
            Misuse{{"estimte"}, "unknown command estimte, did you mean estimate?"},
            Misuse{{"config", "shw"}, "unknown command shw, did you mean show?"},
            Misuse{{"estimate", "s", "--metod", "lm", "--out", "o"}, "did you mean --method?"},

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "tests/estimator/results/example_estimate.h"
 
@@ -31,6 +32,17 @@ TEST(Summary, SaysWhatWasFound) {
   EXPECT_THAT(text, HasSubstr("shininess 40.00 \u00b1 0.40"));
   EXPECT_THAT(text, HasSubstr("one more light: it explains"));
   EXPECT_THAT(text, HasSubstr("views-add-nothing"));
+}
+
+TEST(Summary, WhatIsNotKnownHasNoNumber) {
+  estimator::Estimate estimate = estimator::results::ExampleEstimate();
+  estimate.sigma.diffuse = 0.083;
+  estimate.sigma.shininess = std::nullopt;
+  estimate.undetermined = {"reflectance/diffuse", "reflectance/shininess", "lights/0/distance"};
+  const std::string text = Summary(estimate, "ball", "mm");
+  EXPECT_THAT(text, HasSubstr("diffuse     not known (sigma 0.083)"));
+  EXPECT_THAT(text, HasSubstr("shininess not known\n"));
+  EXPECT_THAT(text, HasSubstr("near, distance not known"));
 }
 
 }  // namespace

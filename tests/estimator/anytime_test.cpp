@@ -1,7 +1,7 @@
 // Proves: there is an estimate from the first keyframe that shows the target on, it gets better
-// with each that comes, it stays when a step fails, a keyframe that does not belong to the others is
-// left out, and the same calls give the same bits. Does not
-// prove how soon it is good: docs/capture.md has that, measured.
+// with each that comes, it stays when a step fails, a keyframe that does not belong to the others
+// is left out, and the same calls give the same bits. Does not prove how soon it is good:
+// docs/capture.md has that, measured.
 #include "estimator/anytime.h"
 
 #include <gtest/gtest.h>

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/app/listener.h"
 #include "tests/app/program.h"
 
 namespace turnlight::loop {
@@ -279,6 +280,25 @@ TEST_F(GrblProcess, SigtermInAMoveStopsTheMotor) {
   EXPECT_EQ(app::Finish(capture), 130) << ReadText(out_ + ".err");
   ExpectTheMotorStands();
 }
+
+// With nobody at the other end of its outputs it stops as by SIGTERM.
+class AbandonedGrblProcess : public GrblProcess, public testing::WithParamInterface<app::Line> {};
+
+TEST_P(AbandonedGrblProcess, StopsTheMotor) {
+  const SimulatorProcess simulator(sim_, ready_);
+  app::Listener listener(GetParam(), {"capture", SlowRig(), "--out", out_});
+  EXPECT_TRUE(Comes([&] { return JournalLines(out_) >= 2; }));
+  ::usleep(600'000);
+  listener.Leave();
+  EXPECT_EQ(listener.Finish(), 130);
+  ExpectTheMotorStands();
+  EXPECT_FALSE(fs::exists(fs::path(out_) / "run.lock"));
+}
+INSTANTIATE_TEST_SUITE_P(Loop, AbandonedGrblProcess,
+                         testing::Values(app::Line::kTerminal, app::Line::kPipeOfErrors),
+                         [](const auto& info) {
+                           return info.param == app::Line::kTerminal ? "terminal" : "pipe";
+                         });
 
 // The port and the camera each by themselves.
 TEST_F(GrblProcess, ASecondProgramIsRefusedAndToldWhoIsThere) {

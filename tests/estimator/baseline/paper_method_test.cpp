@@ -53,6 +53,16 @@ TEST(ClustersTest, TheirNumberDependsOnTheOrder) {
   EXPECT_EQ(ClustersOf(OnTheEquator({20.0, 0.0, 40.0}), DegToRad(25.0)).size(), 1u);
 }
 
+TEST(ClustersTest, AnEmptyMapIsRefused) {
+  observe::IntensityMap map;
+  map.intensity = cv::Mat1f(180, 360, std::numeric_limits<float>::quiet_NaN());
+  const auto solution = SolveByPaper(RandomObservations(300, 3, 1).observations, map, {}, nullptr);
+  ASSERT_FALSE(solution);
+  EXPECT_EQ(solution.error().kind, ErrorKind::kNoEstimate);
+  EXPECT_NE(solution.error().text.find("the paper's intensity map is empty: move the camera"),
+            std::string::npos);
+}
+
 // A map with a Gaussian spot of 5 degrees at each place, on a floor of 0.1.
 struct Spot {
   Vector3d direction;

@@ -1,7 +1,7 @@
 // Proves that a session on disk with odd frames is estimated as if they had never been there and
 // says which they were, that a wrong direction of turning is told and nothing changed, also where
-// there is no estimate at all, and what `verify --model` has of both. How surely frames and poses are
-// told: consistency_test and consistency_study.
+// there is no estimate at all, and what `verify --model` has of both. How surely frames and poses
+// are told: consistency_test and consistency_study.
 #include "estimator/from_session/frame_doubts.h"
 
 #include <gtest/gtest.h>
@@ -49,8 +49,8 @@ class FrameDoubts : public testing::Test {
     });
   }
 
-  const fs::path root_ = fs::path(testing::TempDir()) /
-                         testing::UnitTest::GetInstance()->current_test_info()->name();
+  const fs::path root_ =
+      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 const Note* NoteOf(const SessionEstimate& estimate, const std::string& code) {

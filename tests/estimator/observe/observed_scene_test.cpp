@@ -36,6 +36,8 @@ TEST(ObserveScene, RefusesWhatShowsNothing) {
   const TinyBall good(TwoLights(), 1);
   TinyBall ball = {TwoLights(), 1};
   ball.keyframes[0].image.saturated.setTo(255);
+  ExpectRefusal(ball, "lie above radiometry's saturation, at values that differ");
+  ball.keyframes[0].image.radiance.setTo(cv::Scalar::all(1.0));
   ExpectRefusal(ball, "are clipped: lower the exposure");
 
   ball.keyframes = good.keyframes;

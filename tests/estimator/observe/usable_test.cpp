@@ -43,15 +43,51 @@ TEST(CheckUsable, ThirtyLitPixelsAreEnough) {
 TEST(CheckUsable, SaysWhyTheOthersAreNot) {
   const Observations few = RandomObservations(10, 3, 1).observations;
   const auto why = [&](const FlagCounts& counts) { return RefusalOf(CheckUsable(few, &counts)); };
-  EXPECT_THAT(why({}), HasSubstr("No pixel shows the target: check the poses"));
-  EXPECT_THAT(why({.on_target = 100, .edge = 90, .rays = 50, .from_behind = 26}),
-              HasSubstr("its winding is inside out"));
+  EXPECT_THAT(why({}), HasSubstr("The masks leave no pixel"));
+  EXPECT_THAT(why({.in_masks = 1}), HasSubstr("No pixel shows the target: check the poses"));
+  EXPECT_THAT(why({.on_target = 100, .edge = 90, .oblique = 90, .from_behind = 0.6}),
+              HasSubstr("60 % of what is seen of the target is seen from behind"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 60, .not_numbers = 60}),
+              HasSubstr("60 of 100 target pixels are no numbers"));
   EXPECT_THAT(why({.on_target = 100, .saturated = 51, .edge = 49}),
               HasSubstr("51 of 100 target pixels are clipped: lower the exposure"));
-  EXPECT_THAT(why({.on_target = 100, .saturated = 50, .lost = 60}),
-              HasSubstr("60 of 100 target pixels are lost in noise: expose longer"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 60, .above = 31}),
+              HasSubstr("60 of 100 target pixels lie above radiometry's saturation"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 50, .lost = 60, .bright = 0.1}),
+              HasSubstr("60 of 100 target pixels are lost in noise; bright ones reach 0.1 of"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 50, .lost = 60, .bright = 0.5}),
+              HasSubstr("lost in noise, though bright ones reach 0.5 of white: lower the gain"));
   EXPECT_THAT(why({.on_target = 100, .saturated = 20, .edge = 70}),
-              HasSubstr("70 of 100 target pixels are at the outline or too oblique"));
+              HasSubstr("70 of 100 target pixels are at the outline"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 20, .edge = 70, .oblique = 40}),
+              HasSubstr("70 of 100 target pixels see the surface too obliquely"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 40, .lost = 30, .edge = 20}),
+              HasSubstr("Of 100 target pixels 40 are clipped, 30 lost in noise, 20 at the"));
+}
+
+model::Keyframe Strip(const std::vector<float>& values, const std::vector<int>& clipped) {
+  model::Keyframe keyframe;
+  const int width = static_cast<int>(values.size());
+  keyframe.image.radiance = cv::Mat1f(values, true).reshape(1, 1);
+  keyframe.image.saturated = cv::Mat1b::zeros(1, width);
+  for (const int column : clipped) keyframe.image.saturated(0, column) = 255;
+  keyframe.mask = cv::Mat1b(1, width, std::uint8_t{255});
+  return keyframe;
+}
+
+TEST(CountValues, TellsClippingFromASettingAndFromWhatIsNoNumber) {
+  FlagCounts counts;
+  const cv::Mat1b flags = (cv::Mat1b(1, 5) << 0, 0, 0, 0, kOffTarget);
+  CountValues(Strip({0.5f, 1.0f, 0.99f, 1.0f, 9.0f}, {1, 2, 3, 4}), flags, counts);
+  EXPECT_EQ(counts.in_masks, 5u);
+  EXPECT_EQ(counts.above, 0u);
+  EXPECT_EQ(counts.not_numbers, 0u);
+  EXPECT_NEAR(counts.bright, 1.0, 1e-6);
+  CountValues(Strip({0.5f, 0.6f, 0.7f, 1.0f, 9.0f}, {0, 1, 2, 3}), flags, counts);
+  EXPECT_EQ(counts.above, 3u);
+  CountValues(Strip({0.0f, 0.0f, 0.2f, 0.3f, 9.0f}, {0, 1}), flags, counts);
+  EXPECT_EQ(counts.not_numbers, 2u);
+  EXPECT_EQ(counts.above, 3u);
 }
 
 TEST(CheckUsable, BlackPicturesAreRefused) {

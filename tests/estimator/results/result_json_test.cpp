@@ -88,6 +88,22 @@ TEST(ResultJson, WhatIsUnknownIsNullWithANote) {
   EXPECT_THAT(Codes(json), Not(HasSubstr("null-sigma")));
 }
 
+TEST(ResultJson, WhatIsNotKnownIsNullAndItsSigmaStays) {
+  Estimate estimate = ExampleEstimate();
+  estimate.sigma.diffuse = 0.083;
+  estimate.undetermined = {"reflectance/diffuse", "reflectance/albedo/1", "lights/1/intensity",
+                           "products/diffuse/0/2", "reflectance/lobe/peak"};
+  const auto json = ToJson(estimate);
+  EXPECT_TRUE(json["reflectance"]["diffuse"].is_null());
+  EXPECT_EQ(json["reflectance"]["sigma"]["diffuse"], 0.083);
+  EXPECT_TRUE(json["reflectance"]["albedo"][1].is_null());
+  EXPECT_EQ(json["reflectance"]["albedo"][2], 1.0);
+  EXPECT_TRUE(json["reflectance"]["lobe"]["peak"].is_null());
+  EXPECT_TRUE(json["lights"][1]["intensity"].is_null());
+  EXPECT_TRUE(json["products"]["diffuse"][0][2].is_null());
+  EXPECT_EQ(json["products"]["diffuse"][0][1], 0.2);
+}
+
 TEST(ResultJson, WithoutALobeThereIsNoShininess) {
   Estimate e = ExampleEstimate();
   e.reflectance.specular_model = model::SpecularModel::kNone;

@@ -189,6 +189,36 @@ TEST(SceneJson, AResultMayHaveGainedKeys) {
   EXPECT_EQ(guess->lights.size(), 1u);
 }
 
+// What an estimate did not determine is null: a guess does without it, a picture cannot.
+TEST(SceneJson, NullsOfAResult) {
+  const std::string text = R"({"format": "turnlight-result", "version": 1,
+    "model": {"diffuse": "lambert", "specular": "phong"},
+    "lights": [{"direction": [0, 0, 1], "inverse_distance": 0, "intensity": 1},
+               {"direction": [0, 1, 0], "inverse_distance": 0, "intensity": INTENSITY}],
+    "reflectance": {"albedo": ALBEDO, "ambient": 0.1, "diffuse": DIFFUSE, "specular": 0.3,
+                    "shininess": 30}})";
+  const auto with = [&](std::string intensity, std::string albedo, std::string diffuse) {
+    std::string out = text;
+    for (const auto& [name, value] :
+         {std::pair("INTENSITY", intensity), {"ALBEDO", albedo}, {"DIFFUSE", diffuse}})
+      out.replace(out.find(name), std::string(name).size(), value);
+    return out;
+  };
+  const std::string words = "null: that estimate did not determine it";
+  EXPECT_EQ(SceneError(with("0.5", "[1, 1, 1]", "0.4")), "accepted");
+  EXPECT_THAT(SceneError(with("null", "[1, 1, 1]", "0.4")),
+              HasSubstr("lights/1/intensity: " + words));
+  EXPECT_THAT(SceneError(with("0.5", "[1, null, 1]", "0.4")),
+              HasSubstr("reflectance/albedo: " + words));
+  EXPECT_THAT(SceneError(with("0.5", "[1, 1, 1]", "null")),
+              HasSubstr("reflectance/diffuse: " + words));
+  const auto guess = ParseInitialGuess(with("null", "[1, null, 1]", "null"), "result.json");
+  ASSERT_TRUE(guess) << guess.error().text;
+  EXPECT_EQ(guess->lights.size(), 2u);
+  EXPECT_FALSE(guess->has_intensities);
+  EXPECT_FALSE(guess->reflectance);
+}
+
 // Nothing but what says the scene is needed; what is needed and misspelt is named.
 TEST(SceneJson, AResultMayLackWhatIsOptional) {
   const std::string head =

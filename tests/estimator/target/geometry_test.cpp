@@ -106,10 +106,10 @@ TEST(Geometry, AMeshAtMapCoordinatesIsMetWithoutLoss) {
     ASSERT_TRUE(hit.has_value());
     EXPECT_LT((hit->position - point).norm(), 1e-8);
     EXPECT_EQ(hit->position.z(), place.z());
-    EXPECT_FALSE(mesh.MeetsBack(eye, point - eye));
+    EXPECT_FALSE(mesh.SeesBack(eye, point - eye));
   }
-  EXPECT_TRUE(mesh.MeetsBack(place - Vector3d::UnitZ(), Vector3d::UnitZ()));
-  EXPECT_FALSE(mesh.MeetsBack(place - Vector3d::UnitZ(), -Vector3d::UnitZ()));
+  EXPECT_TRUE(mesh.SeesBack(place - Vector3d::UnitZ(), Vector3d::UnitZ()));
+  EXPECT_FALSE(mesh.SeesBack(place - Vector3d::UnitZ(), -Vector3d::UnitZ()));
 }
 
 TEST(Geometry, InterpolatesTheNormalsOfAMesh) {

@@ -120,6 +120,16 @@ TEST_F(Closure, PicturesWithoutALitBlockFail) {
   EXPECT_THAT((*check)->text, HasSubstr("too dark"));
 }
 
+TEST(CompareClosure, ClippedPicturesAreNotCalledDark) {
+  calib::Radiometry radiometry;
+  radiometry.white = 255.0;
+  const cv::Mat clipped(64, 64, CV_8UC1, cv::Scalar(255.0));
+  const ClosureCheck check = CompareClosure(0.0, clipped, 360.0, clipped, radiometry);
+  EXPECT_FALSE(check.closed);
+  EXPECT_THAT(check.text, testing::AllOf(HasSubstr("100 % of one is clipped; lower the exposure"),
+                                         testing::Not(HasSubstr("dark"))));
+}
+
 TEST_F(Closure, WithoutAClosureFrameThereIsNoVerdict) {
   const auto check = Check({}, false);
   ASSERT_TRUE(check) << check.error().text;

@@ -408,8 +408,10 @@ TEST_F(SessionRecorderTest, SpaceIsCheckedBeforehand) {
   const auto refused = SessionRecorder::Start(root(), setup_, Run(), ops);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kSystem);
-  EXPECT_THAT(refused.error().text, AllOf(HasSubstr("too little space for 4 frames"),
-                                          HasSubstr("MB needed, 1000 bytes free")));
+  EXPECT_THAT(
+      refused.error().text,
+      AllOf(HasSubstr("too little space for 4 frames"), HasSubstr("MB needed, 1000 bytes free"),
+            HasSubstr("nothing was begun"), Not(HasSubstr("resume"))));
   EXPECT_FALSE(fs::exists(root()));
   ops.free_bytes = 1 << 30;
   auto recorder = SessionRecorder::Start(root(), setup_, Run(), ops);
@@ -418,7 +420,8 @@ TEST_F(SessionRecorderTest, SpaceIsCheckedBeforehand) {
   ops.free_bytes = 1000;
   const Status full = recorder->Add(keyframes_[0]);
   ASSERT_FALSE(full);
-  EXPECT_THAT(full.error().text, HasSubstr("too little space for frame 0 (0.0 deg)"));
+  EXPECT_THAT(full.error().text, AllOf(HasSubstr("too little space for frame 0 (0.0 deg)"),
+                                       HasSubstr("`turnlight resume` completes the capture")));
   EXPECT_EQ(Contents(root()), before);
   ops.free_bytes = 1 << 30;
   EXPECT_TRUE(recorder->Add(keyframes_[0]));

@@ -1,0 +1,244 @@
+// The rows. Refusals first, then notes by what they are about, then verdicts.
+#include "base/messages/messages.h"
+
+namespace turnlight::messages {
+namespace {
+
+constexpr Kind kRefusal = Kind::kRefusal;
+constexpr Kind kNote = Kind::kNote;
+constexpr Kind kVerdict = Kind::kVerdict;
+
+// Too few pixels can be used. {used} {least} {on_target}, {count}: the pixels of the cause.
+const std::vector<Row> kTooFewPixels = {
+    {"empty-masks", kRefusal, "the masks let no pixel through",
+     "{used} usable pixels, at least {least} are needed. The masks leave no pixel:",
+     "check them; white, or any value but 0, is the target."},
+    {"no-target-in-view", kRefusal, "no ray of a pixel that the masks let through meets the target",
+     "{used} usable pixels, at least {least} are needed. No pixel shows the target:",
+     "check the poses (X_WC, X_WT), the target's size and its unit of length, and the masks."},
+    {"seen-from-behind", kRefusal,
+     "most rays that meet the target meet a face from behind, or where its normal points away",
+     "{used} usable pixels, at least {least} are needed. {share} % of what is seen of the target "
+     "is "
+     "seen from behind:",
+     "the mesh is wound inwards, or its normals point inwards; turn its faces round. (Of a plane: "
+     "the camera is behind it; sides: 2 gives it a second side.)"},
+    {"not-numbers", kRefusal, "most target pixels are NaN or infinite",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
+     "no numbers (NaN or infinite):",
+     "check what wrote the pictures."},
+    {"clipped-by-setting", kRefusal,
+     "most target pixels are above the saturation, and their values differ: a sensor clips at one",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels lie "
+     "above radiometry's saturation, at values that differ; a sensor clips at one:",
+     "set saturation (or white, where saturation is not given) to the value at which the sensor "
+     "clips."},
+    {"clipped", kRefusal, "most target pixels are clipped, at one value",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
+     "clipped:",
+     "lower the exposure or the gain."},
+    {"too-dark", kRefusal,
+     "most target pixels are at the sensor's floor, and the bright ones are far below white",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
+     "lost in noise; bright ones reach {bright} of white:",
+     "expose longer, check the lamp, and check that radiometry's black is not too high."},
+    {"too-noisy", kRefusal,
+     "most target pixels are at the sensor's floor, and the bright ones are near white",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
+     "lost in noise, though bright ones reach {bright} of white:",
+     "lower the gain, or average pictures; more light would clip."},
+    {"too-oblique", kRefusal, "most target pixels are seen at a grazing angle",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels see "
+     "the surface too obliquely:",
+     "look at it more from the front."},
+    {"too-small", kRefusal, "most target pixels are at the outline, or across creases",
+     "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
+     "at the outline or across a crease:",
+     "move the camera closer, or use a smoother target."},
+    {"too-few", kRefusal, "few pixels are usable, for no one reason",
+     "{used} usable pixels, at least {least} are needed. Of {on_target} target pixels {saturated} "
+     "are clipped, {lost} lost in noise, {edge} at the outline or too oblique, {outliers} unlike "
+     "their neighbours:",
+     "begin with the largest of these."},
+    {"too-few/so-far", kRefusal, "few pixels are usable yet, while a capture goes on",
+     "{used} usable pixels, at least {least} are needed.", ""},
+};
+
+// There are pixels, and they tell nothing of lights.
+const std::vector<Row> kNoLight = {
+    {"black", kRefusal, "every usable pixel is black",
+     "every usable pixel is black (99.9 % at or below {bright} of white):",
+     "check the lamp, the exposure and radiometry.black."},
+    {"not-a-surface", kRefusal, "more than 35 % of the target's pixels are outliers",
+     "{count} of {on_target} target pixels are unlike all around them:",
+     "the pictures show something else than a surface; check their format and the masks."},
+    {"no-light/copies", kRefusal,
+     "no light explains the pictures, and some are copies of others, at other poses",
+     "no light explains the pictures, and {copies} of {views} are copies of others, value for "
+     "value, at other poses:",
+     "look for a buffer that was saved twice, or files that were copied."},
+    {"no-light/from-behind", kRefusal,
+     "no light explains the pictures, and more than a tenth of the target is seen from behind",
+     "no light explains the pictures, and {behind} % of what is seen of the target is seen from "
+     "behind:",
+     "the mesh is wound inwards in part, or its normals point inwards; turn its faces round."},
+    {"no-light/dark", kRefusal,
+     "no light is found, and the noise could hide one in pictures far below white",
+     "no light explains more of the pictures than ambient light does; their noise is {noise}, "
+     "{share} % of the brightest radiance, and that is {bright} of white:",
+     "expose longer."},
+    {"no-light/noisy", kRefusal,
+     "no light is found, and the noise could hide one though the pictures reach white",
+     "no light explains more of the pictures than ambient light does; their noise is {noise}, "
+     "{share} % of the brightest radiance, which is near white already:",
+     "lower the gain, or average pictures."},
+    {"no-light/unexplained", kRefusal,
+     "no light is found, though the pictures vary by more than noise",
+     "no light explains more of the pictures than ambient light does, though they vary by more "
+     "than noise (residual rms {rms}, noise {noise}, brightest radiance {bright}):",
+     "what varies does not go with the surface's orientation; check the poses, the masks and that "
+     "the shape is that of the target."},
+    {"direction-unknown/flat", kRefusal,
+     "the brightest light's direction is not known to 45 degrees, and all that is seen of the "
+     "target faces one way",
+     "the direction of the brightest light is not known to 45 degrees, for all of the surface that "
+     "is seen faces within {spread} degrees of one direction:",
+     "use a target that bends, or turn or tilt it between pictures, so that the lights shine on it "
+     "from several sides."},
+    {"direction-unknown/noisy", kRefusal,
+     "the same, and the noise is more than 15 % of the brightest radiance",
+     "the direction of the brightest light is not known to 45 degrees; the noise is {share} % of "
+     "the brightest radiance:",
+     "lower the gain, average pictures, or take more of them."},
+    {"direction-unknown", kRefusal, "the same, for another reason",
+     "the direction of the brightest light is not known to 45 degrees (sigma {sigma}) from {views} "
+     "with {pixels} usable pixels:",
+     "take more pictures from other sides; if there are enough, check that the poses and the shape "
+     "are those of the target."},
+    {"paper-no-light", kRefusal,
+     "--method paper, and no mirrored view direction lies within 90 degrees of up",
+     "no pixel's mirrored view direction lies within 90 degrees of the plane's normal (of W's +z "
+     "for other targets), so the paper's intensity map is empty:",
+     "move the camera, or use --method lm."},
+};
+
+const std::vector<Row> kViews = {
+    {"views-add-nothing/repeated", kNote, "views are alike within noise, at the same poses",
+     "{distinct} of {views} views differ by more than noise; the others repeat a pose, and the "
+     "sigmas are those of the distinct ones.",
+     "Take pictures at other angles for more."},
+    {"views-add-nothing/copies", kNote,
+     "pictures at different poses have the same values bit for bit, though what they should show "
+     "differs",
+     "{distinct} of {views} views differ by more than noise; {copies} are copies of others, value "
+     "for value, at other poses (the first: {pair}), and what is estimated from them is not to be "
+     "trusted.",
+     "Look for a buffer that was saved twice, or files that were copied."},
+    {"views-add-nothing/unmoved", kNote,
+     "pictures at different poses are alike within noise, and the model predicts that they differ",
+     "{distinct} of {views} views differ by more than noise; the others (the first: {pair}) are "
+     "alike though the model predicts differences of {predicted}, {times} times the noise.",
+     "Check that the table turned and that each picture is of its own angle."},
+    {"views-add-nothing", kNote,
+     "pictures at different poses are alike within noise, and the model predicts no difference",
+     "{distinct} of {views} views differ by more than noise; the others add nothing, and the "
+     "sigmas are those of the distinct ones.",
+     "A homogeneous body of revolution on the axis looks the same at every angle: use another "
+     "target, tilt it, or move the camera."},
+};
+
+const std::vector<Row> kModel = {
+    {"no-highlight", kNote, "the data do not call for a specular part", "No highlight was found:",
+     "shininess is null, and the lights' places rest on diffuse shading alone."},
+    {"grey", kNote, "the pictures have one channel, or three that are the same",
+     "The pictures are grey:", "albedo and products repeat one value for R, G and B."},
+    {"distance-unknown", kNote, "the data do not call for a finite distance of some light",
+     "Lights with distance null are too far for the data to tell how far;",
+     "distance_min is a 95 % bound."},
+    {"not-converged", kNote, "the solver ended at its limit of iterations",
+     "The solver reached its limit of iterations.", ""},
+    {"not-converged/not-finite", kNote, "the solver ended where the model is not finite",
+     "The model is not finite where the solver stands.", ""},
+    {"not-converged/descent", kNote, "--method paper, and the descent ended at its limit",
+     "The descent reached its limit of iterations.", ""},
+    {"distance-brightness-equivalent", kNote, "--method paper",
+     "The paper's lights have no intensity of their own: each is taken to be as bright as one that "
+     "gives the irradiance 1 from the distance {distance} (--ceiling-distance, in the session's "
+     "unit).",
+     "Distances and positions are those of such a light, not metric."},
+    {"sigma-none", kNote, "--method paper",
+     "The paper's method states no uncertainty: sigmas, distance_min and "
+     "identifiability/condition are null.",
+     "Directions are those of the intensity map's clusters and are not refined."},
+    {"count-uncertain/noise", kNote, "the noise is more than 15 % of the brightest radiance",
+     "The noise is {noise}, {share} % of the brightest radiance:",
+     "lights and highlights may be hidden in it."},
+    {"count-uncertain/few-pixels", kNote, "fewer than 1000 pixels are usable",
+     "Only {pixels} pixels are usable:", "they may not show every light."},
+    {"count-uncertain/unexplained", kNote, "the residual is more than twice the noise",
+     "The model leaves {rms} rms of the pictures unexplained, {times} times their noise:",
+     "a light, a shadow or a property of the surface may be missing, and the number of lights is "
+     "uncertain."},
+    {"outliers", kNote, "0.5 % of the target's pixels or more are outliers",
+     "{count} of {on_target} target pixels are unlike all around them and were left out;",
+     "some may have been missed."},
+    {"exposure", kNote, "the brightest radiance is far from white",
+     "The brightest radiance is about {level} of white:",
+     "decisions, and the numbers in their reasons, take that as white."},
+    {"not-determined", kNote,
+     "values whose sigma says that nothing is known of them: they are null",
+     "The data do not determine {list}: by their sigmas anything is possible, and they are null.",
+     "More pictures, from other sides, or less noise would tell them."},
+    {"not-determined/no-light", kNote, "the same, and no light was found",
+     "The data do not determine {list}, and they are null:", "there is no light to see them by."},
+    {"light-left-out", kNote,
+     "the direction of a light, not of the brightest, is not known to 45 degrees",
+     "{lights} left out of the list, with a direction that is not known to 45 degrees; the "
+     "residual is with what was left out.",
+     "--model lights=N decides how many there are."},
+    {"null-distance-min", kNote, "a light's distance has no bound",
+     "distance_min is null for light {lights}:", "the data do not bound its distance from below."},
+    {"null-intensity-sigma", kNote, "there is a light", "intensity_sigma is null for light 1:",
+     "the strongest light's intensity is 1 by definition; the sigmas of products do not depend on "
+     "that."},
+    {"null-condition", kNote, "the normal equations are singular",
+     "identifiability/condition is null:", "the normal equations are singular."},
+    {"null-sigma", kNote, "the data do not determine sigmas",
+     "The data do not determine the sigma of {list}.", ""},
+};
+
+const std::vector<Row> kCapture = {
+    {"closure-clipped", kVerdict,
+     "nothing of the two pictures can be compared, and more than a quarter of one is clipped",
+     "the pictures cannot be compared, {share} % of one is clipped;",
+     "lower the exposure or the gain, and capture again"},
+    {"closure-dark", kVerdict, "nothing of the two pictures is bright enough to be compared",
+     "the pictures are too dark to be compared, bright pixels reach {bright} of white;",
+     "expose longer or check the lamp, and capture again"},
+    {"closure-closed", kVerdict, "the closure frame is the first one, within noise or tolerance",
+     "the picture at {closure}\u00b0 differs from the one at {first}\u00b0 by {share} %, {sigmas} "
+     "times what noise explains;",
+     "the table kept its place"},
+    {"closure-open", kVerdict,
+     "the closure frame differs from the first by more than noise and more than matters",
+     "the picture at {closure}\u00b0 differs from the one at {first}\u00b0 by {share} %, {sigmas} "
+     "times what noise explains; allowed is {most_share} % or {most_sigmas} times:",
+     "the table lost its place, the target moved or the light changed, and the angles of this "
+     "capture are not to be trusted"},
+};
+
+std::vector<Row> Join() {
+  std::vector<Row> all;
+  for (const auto* part : {&kTooFewPixels, &kNoLight, &kViews, &kModel, &kCapture})
+    all.insert(all.end(), part->begin(), part->end());
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Row>& Table() {
+  static const std::vector<Row> kTable = Join();
+  return kTable;
+}
+
+}  // namespace turnlight::messages
