@@ -55,6 +55,19 @@ int EstimateAndPrint(const EstimateArguments& arguments) {
   return kDone;
 }
 
+void AddFrameChoice(CLI::App& command, EstimateArguments& arguments) {
+  command
+      .add_option("--views", arguments.options.estimate.views,
+                  "Use N frames spread over the session's F: frames floor(i F / N)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000));
+  command
+      .add_option("--frames", arguments.frames,
+                  "Use these frames: numbers and ranges, counted from 0, such as 0-16,18-35; not "
+                  "with --views")
+      ->type_name("LIST");
+}
+
 }  // namespace
 
 void AddEstimate(CLI::App& program, Action& action) {
@@ -77,22 +90,13 @@ void AddEstimate(CLI::App& program, Action& action) {
                    "bright they are, in metres (default 2.5)")
       ->type_name("METRES")
       ->check(CLI::Range(1e-6, 1e6));
-  command
-      ->add_option("--views", arguments->options.estimate.views,
-                   "Use N frames spread over the session's F: frames floor(i F / N)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000));
+  AddFrameChoice(*command, *arguments);
   AddPixels(*command, arguments->pixels);
   command
       ->add_option("--max-memory", arguments->max_memory,
                    "Refuse beforehand what would need more than that, and say what would fit, such "
                    "as 4GB or 800MB; changes no result")
       ->type_name("SIZE");
-  command
-      ->add_option("--frames", arguments->frames,
-                   "Use these frames: numbers and ranges, counted from 0, such as 0-16,18-35; not "
-                   "with --views")
-      ->type_name("LIST");
   command
       ->add_option("--initial", arguments->options.initial,
                    "Start from the lights of a truth.json or result.json")

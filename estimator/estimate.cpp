@@ -56,6 +56,12 @@ void Tell(const Watch& watch, Part part) {
   if (watch.on_part) watch.on_part(part);
 }
 
+void TakeDecisions(start::Start& start, Estimate& out) {
+  out.ladder = std::move(start.ladder);
+  for (const double rms : start.rms_history)
+    out.history.push_back({static_cast<int>(out.history.size()), rms});
+}
+
 // Gives how many views there are for each that differs from those before.
 double CountViews(const std::vector<cv::Mat>& signatures, double noise, Estimate& out) {
   out.views = static_cast<int>(signatures.size());
@@ -113,9 +119,7 @@ Result<Estimate> EstimateWhatIsSeen(const observe::Observations& all, observe::O
   if (StopRequested(options.watch.stop)) return InterruptedError();
   const double started = stopwatch.Seconds();
   Estimate estimate;
-  estimate.ladder = std::move(start.ladder);
-  for (const double rms : start.rms_history)
-    estimate.history.push_back({static_cast<int>(estimate.history.size()), rms});
+  TakeDecisions(start, estimate);
   const double views_per_distinct = CountViews(signatures, noise, estimate);
   select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
                                           options.model, estimate.ladder, options.watch.stop);

@@ -71,11 +71,11 @@ void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out) {
 void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estimate& out) {
   if (kept.blocks.share >= 1.0) return;
   constexpr int kSide = observe::BlockChoice::kSide;
-  out.notes.push_back(
-      {"pixels-thinned",
-       Format("%zu of about %zu usable pixels were used, in blocks of %d x %d spread evenly over "
-              "the pictures: more are not held in memory (--pixels).",
-              kept.used, usable, kSide, kSide)});
+  AddNote("pixels-thinned",
+          {{"used", std::to_string(kept.used)},
+           {"usable", std::to_string(usable)},
+           {"side", std::to_string(kSide)}},
+          out);
 }
 
 void AddFacetsNote(const calib::TargetShape& shape, Estimate& out) {
@@ -91,12 +91,10 @@ void AddFacetsNote(const calib::TargetShape& shape, Estimate& out) {
       reflectance.specular_model == model::SpecularModel::kPhong ? half : 2.0 * half;
   const double turn = FacetTurn(*mesh);
   if (turn <= highlight) return;
-      {"facets-coarse",
-       Format("The mesh came without normals, and those made from its faces turn by %.1f degrees "
-              "across a facet, while the highlight is %.1f degrees of normals wide: its shape, and "
-              "with it shininess and lights, is that of the facets. Use a finer mesh, or one with "
-              "normals.",
-              RadToDeg(turn), RadToDeg(highlight))});
+  AddNote("facets-coarse",
+          {{"turn", Format("%.1f", RadToDeg(turn))},
+           {"highlight", Format("%.1f", RadToDeg(highlight))}},
+          out);
 }
 
 }  // namespace turnlight::estimator

@@ -207,6 +207,38 @@ const std::vector<Row> kModel = {
      "The data do not determine the sigma of {list}.", ""},
 };
 
+const std::vector<Row> kFrames = {
+    {"frames-left-out", kNote,
+     "frames do not belong to the others (docs/estimation.md, section 13)",
+     "{odd} of {frames} frames do not belong to the others and are left out: {list}.",
+     "--frames chooses by hand."},
+    {"frames-odd", kNote, "the same, and the frames were chosen by hand",
+     "{odd} of {frames} frames do not belong to the others, but were chosen by hand: "
+     "{list}.",
+     ""},
+    {"poses-doubtful", kNote,
+     "a change of all poses explains at least half of the residual, and at most 3 % of the "
+     "brightest radiance is left",
+     "{change} the residual falls from {before} to {after} of white:",
+     "{question}{alike} Nothing was changed."},
+    {"poses-doubtful/unseen", kNote,
+     "the poses as they are show hardly anything of the target, and a change of all of "
+     "them explains the pictures",
+     "{change} the target is seen, with a residual of {after} of white:",
+     "{question}{alike} Nothing was changed."},
+    {"pixels-thinned", kNote, "more pixels of the target are usable than are held in memory",
+     "{used} of about {usable} usable pixels were used, in blocks of {side} x {side} "
+     "spread evenly over the pictures:",
+     "more are not held in memory (--pixels)."},
+    {"facets-coarse", kNote,
+     "a mesh came without normals, and those made from its faces turn by more across a "
+     "facet than the highlight is wide",
+     "The mesh came without normals, and those made from its faces turn by {turn} degrees "
+     "across a facet, while the highlight is {highlight} degrees of normals wide: its "
+     "shape, and with it shininess and lights, is that of the facets.",
+     "Use a finer mesh, or one with normals."},
+};
+
 const std::vector<Row> kCapture = {
     {"closure-clipped", kVerdict,
      "nothing of the two pictures can be compared, and more than a quarter of one is clipped",
@@ -229,7 +261,7 @@ const std::vector<Row> kCapture = {
 
 std::vector<Row> Join() {
   std::vector<Row> all;
-  for (const auto* part : {&kTooFewPixels, &kNoLight, &kViews, &kModel, &kCapture})
+  for (const auto* part : {&kTooFewPixels, &kNoLight, &kViews, &kModel, &kFrames, &kCapture})
     all.insert(all.end(), part->begin(), part->end());
   return all;
 }

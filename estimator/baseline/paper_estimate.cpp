@@ -117,10 +117,8 @@ Result<EstimateOutput> EstimateByPaper(const model::KeyframeSource& keyframes,
   estimate.distinct_views =
       observe::DistinctViews(observed->signatures, observe::EstimateNoise(all));
   AddViewsNote(estimate);
-  std::vector<calib::RigPoses> poses;
-  for (const model::Keyframe& keyframe : keyframes) poses.push_back({keyframe.X_WC, keyframe.X_WT});
-  ExplainViews(all, observed->signatures, poses, solution->scene, {}, options.frame_numbers,
-               estimate);
+  ExplainViews(all, observed->signatures, keyframes.poses, solution->scene, {},
+               options.frame_numbers, estimate);
   AddOutliersNote(observed->counts, estimate);
   AddThinnedNote(all, observed->usable, estimate);
   estimate.initial_s = mapped;

@@ -120,6 +120,7 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
   Consistency out;
   const calib::RayGrid rays(views.camera);
   const std::size_t count = views.views.size();
+  if (count < 2) return out;  // nothing to compare with
   const observe::Observations all = observe::BuildObservations(
       KeyframesOf(views, GivenPoses(views), InOrder(count)), geometry, rays);
   Fitted given;
@@ -132,7 +133,7 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
     }
     given = {out.rms, observe::BrightestRadiance(all), all.used};
   }
-  if (StopRequested(stop) || count < 2) return out;
+  if (StopRequested(stop)) return out;
   // One frame among many that fit is that frame's matter.
   if (out.frames.odd == 1 && !all_changes) return out;
   Search(views, geometry, rays, choice, stop).Run(angles_deg, given, out);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/format.h"
+#include "base/messages/messages.h"
 #include "base/statistics.h"
 #include "calib/radiometry.h"
 #include "estimator/consistency/oddness.h"
@@ -67,29 +68,28 @@ Note NoteOfOddFrames(const rig::Session& session, const std::vector<std::size_t>
   const std::vector<std::size_t> odd = OddViews(found);
   std::string list;
   for (std::size_t i = 0; i < std::min(odd.size(), kMostNamed); ++i)
-    list += (i == 0 ? " " : "; ") + NameOf(session, frames[odd[i]]) + ", " +
+    list += (i == 0 ? "" : "; ") + NameOf(session, frames[odd[i]]) + ", " +
             found.frames.frames[odd[i]].what;
   if (odd.size() > kMostNamed) list += Format("; and %zu more", odd.size() - kMostNamed);
-  const bool one = odd.size() == 1;
-  const std::string how_many = Format("%zu of %zu frames %s not belong to the others", odd.size(),
-                                      frames.size(), one ? "does" : "do");
-  if (left_out)
-    return {"frames-left-out", how_many + Format(" and %s left out:", one ? "was" : "were") + list +
-                                   ". --frames chooses by hand."};
-  return {"frames-odd", how_many + ", but all were chosen by hand:" + list + "."};
+  const std::string id = left_out ? "frames-left-out" : "frames-odd";
+  return {id, messages::Text(id, {{"odd", std::to_string(odd.size())},
+                                  {"frames", std::to_string(frames.size())},
+                                  {"list", list}})};
 }
 
 std::string WordsOfChange(const consistency::Consistency& found) {
   const consistency::TriedChange& change = *found.change;
+  std::string alike;
+  for (std::size_t i = 0; i < std::min(found.alike.size(), kMostAlike); ++i)
+    alike += (i == 0 ? " The pictures look the same " : " and ") + found.alike[i];
   std::string words = change.words;
   words[0] = 'W';
-  words += found.rms > 0.0
-               ? Format(" the residual falls from %.2g to %.2g of white: ", found.rms, *change.rms)
-               : Format(" the target is seen, with a residual of %.2g of white: ", *change.rms);
-  words += change.question;
-  for (std::size_t i = 0; i < std::min(found.alike.size(), kMostAlike); ++i)
-    words += (i == 0 ? " The pictures look the same " : " and ") + found.alike[i];
-  return words + (found.alike.empty() ? " Nothing was changed." : ". Nothing was changed.");
+  return messages::Text(found.rms > 0.0 ? "poses-doubtful" : "poses-doubtful/unseen",
+                        {{"change", words},
+                         {"before", Format("%.2g", found.rms)},
+                         {"after", Format("%.2g", *change.rms)},
+                         {"question", change.question},
+                         {"alike", alike.empty() ? "" : alike + "."}});
 }
 
 Result<ModelCheck> CheckModel(const std::filesystem::path& folder, const StopFlag* stop) {

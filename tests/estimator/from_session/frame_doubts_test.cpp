@@ -67,7 +67,7 @@ TEST_F(FrameDoubts, AnEstimateIsAsIfOddFramesHadNeverBeenThere) {
   ASSERT_TRUE(found) << found.error().text;
   const Note* note = NoteOf(*found, "frames-left-out");
   ASSERT_NE(note, nullptr);
-  EXPECT_NE(note->text.find("1 of 12 frames"), std::string::npos) << note->text;
+  EXPECT_NE(note->text.find("1 of 12 frames do not belong"), std::string::npos) << note->text;
   EXPECT_NE(note->text.find("frame 7 (210.0 deg), frames/007.png, is black"), std::string::npos)
       << note->text;
   EXPECT_EQ(found->output.left_out.count(7), 1u);
