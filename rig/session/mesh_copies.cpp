@@ -7,9 +7,9 @@
 namespace turnlight::rig {
 namespace {
 
-using Triangle = TriangleMesh::Triangle;
+using CutTriangle = TriangleMesh::Triangle;
 
-int PlaceOf(const TriangleMesh& mesh, const Triangle& t, int corner) {
+int PlaceOf(const TriangleMesh& mesh, const CutTriangle& t, int corner) {
   return mesh.place[static_cast<std::size_t>(t[static_cast<std::size_t>(corner % 3)].vertex)];
 }
 
@@ -38,7 +38,7 @@ std::vector<int> FirstOfCopies(const TriangleMesh& mesh, const EdgeTable& edges)
 }
 
 // Whether two triangles at the same places are wound differently.
-bool AreOpposed(const TriangleMesh& mesh, const Triangle& a, const Triangle& b) {
+bool AreOpposed(const TriangleMesh& mesh, const CutTriangle& a, const CutTriangle& b) {
   int k = 0;
   while (PlaceOf(mesh, b, k) != PlaceOf(mesh, a, 0)) ++k;
   return PlaceOf(mesh, b, k + 1) != PlaceOf(mesh, a, 1);

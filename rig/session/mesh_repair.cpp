@@ -10,7 +10,7 @@
 namespace turnlight::rig {
 namespace {
 
-using Corner = PolygonMesh::Corner;
+using FaceCorner = PolygonMesh::Corner;
 
 // Squares of this still fit in the float that rays are traced in.
 constexpr double kMaxCoordinate = 1e18;
@@ -20,7 +20,7 @@ bool IsUsable(const Eigen::Vector3d& v) {
   return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate;
 }
 
-const Eigen::Vector3d& At(const std::vector<Eigen::Vector3d>& vertices, const Corner& corner) {
+const Eigen::Vector3d& At(const std::vector<Eigen::Vector3d>& vertices, const FaceCorner& corner) {
   return vertices[static_cast<std::size_t>(corner.vertex)];
 }
 
@@ -52,18 +52,18 @@ class FaceCutter {
   const std::vector<BadFace>& bad() const { return bad_; }
   std::vector<TriangleMesh::Triangle> TakeTriangles() { return std::move(triangles_); }
   const std::vector<TriangleMesh::Triangle>& triangles() const { return triangles_; }
-  int PlaceOf(const Corner& corner) const {
+  int PlaceOf(const FaceCorner& corner) const {
     return place_[static_cast<std::size_t>(corner.vertex)];
   }
   // Whether it names a vertex that can be used.
-  bool Names(const Corner& corner) const {
+  bool Names(const FaceCorner& corner) const {
     return corner.vertex >= 0 && static_cast<std::size_t>(corner.vertex) < usable_.size() &&
            usable_[static_cast<std::size_t>(corner.vertex)];
   }
 
  private:
   void Cut(std::size_t face) {
-    for (const Corner& corner : corners_)
+    for (const FaceCorner& corner : corners_)
       if (!Names(corner)) return LeaveOut(face, WhyUnnamed(corner), true);
     DropRepeated();
     if (corners_.size() < 3)
@@ -73,13 +73,14 @@ class FaceCutter {
       return;
     }
     // Begun at the same place, copies of a face that are wound differently are cut alike.
-    std::rotate(
-        corners_.begin(),
-        std::min_element(corners_.begin(), corners_.end(),
-                         [&](const Corner& a, const Corner& b) { return PlaceOf(a) < PlaceOf(b); }),
-        corners_.end());
+    std::rotate(corners_.begin(),
+                std::min_element(corners_.begin(), corners_.end(),
+                                 [&](const FaceCorner& a, const FaceCorner& b) {
+                                   return PlaceOf(a) < PlaceOf(b);
+                                 }),
+                corners_.end());
     points_.clear();
-    for (const Corner& corner : corners_) points_.push_back(At(mesh_.vertices, corner));
+    for (const FaceCorner& corner : corners_) points_.push_back(At(mesh_.vertices, corner));
     const auto parts = Triangulate(points_);
     if (parts.empty())
       return LeaveOut(face,
@@ -96,12 +97,14 @@ class FaceCutter {
 
   // Corners at the same place in a row are one corner.
   void DropRepeated() {
-    const auto same = [&](const Corner& a, const Corner& b) { return PlaceOf(a) == PlaceOf(b); };
+    const auto same = [&](const FaceCorner& a, const FaceCorner& b) {
+      return PlaceOf(a) == PlaceOf(b);
+    };
     corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
     while (corners_.size() > 1 && same(corners_.front(), corners_.back())) corners_.pop_back();
   }
 
-  std::string WhyUnnamed(const Corner& corner) const {
+  std::string WhyUnnamed(const FaceCorner& corner) const {
     const std::string vertex = "names vertex " + std::to_string(corner.vertex);
     if (corner.vertex >= 0 && static_cast<std::size_t>(corner.vertex) < usable_.size())
       return vertex +
@@ -118,7 +121,7 @@ class FaceCutter {
   const PolygonMesh& mesh_;
   const std::vector<int>& place_;
   std::vector<bool> usable_;  // by vertex
-  std::vector<Corner> corners_;
+  std::vector<FaceCorner> corners_;
   std::vector<Eigen::Vector3d> points_;
   std::vector<TriangleMesh::Triangle> triangles_;
   std::vector<BadFace> bad_;
@@ -136,8 +139,8 @@ std::size_t CountHoles(const PolygonMesh& mesh, const std::vector<int>& place,
     const std::size_t end = mesh.ends[face.face];
     bool hole = false;
     for (std::size_t i = begin; i < end && face.has_area && !hole; ++i) {
-      const Corner& a = mesh.corners[i];
-      const Corner& b = mesh.corners[i + 1 < end ? i + 1 : begin];
+      const FaceCorner& a = mesh.corners[i];
+      const FaceCorner& b = mesh.corners[i + 1 < end ? i + 1 : begin];
       hole = cutter.Names(a) && cutter.Names(b) && cutter.PlaceOf(a) != cutter.PlaceOf(b) &&
              edges.Between(cutter.PlaceOf(a), cutter.PlaceOf(b)).size() % 2 == 1;
     }
@@ -156,7 +159,7 @@ void DropBadNormals(PolygonMesh& mesh) {
   good.reserve(mesh.normals.size());
   for (const Eigen::Vector3d& normal : mesh.normals)
     good.push_back(IsUsable(normal) && !normal.stableNormalized().isZero());
-  for (Corner& corner : mesh.corners)
+  for (FaceCorner& corner : mesh.corners)
     if (corner.normal < 0 || static_cast<std::size_t>(corner.normal) >= good.size() ||
         !good[static_cast<std::size_t>(corner.normal)])
       corner.normal = -1;
@@ -216,7 +219,7 @@ Status RemoveUnused(TriangleMesh& mesh, const std::string& file,
                       (flat == 1 ? "was" : "were") + " left out, which leaves no hole");
   std::vector<std::int32_t> kept(mesh.vertices.size(), -1);
   for (const TriangleMesh::Triangle& t : mesh.triangles)
-    for (const Corner& corner : t) kept[static_cast<std::size_t>(corner.vertex)] = 0;
+    for (const FaceCorner& corner : t) kept[static_cast<std::size_t>(corner.vertex)] = 0;
   const auto stray = std::count(kept.begin(), kept.end(), -1);
   if (stray == 0) return {};
   std::int32_t count = 0;
@@ -227,7 +230,7 @@ Status RemoveUnused(TriangleMesh& mesh, const std::string& file,
   }
   mesh.vertices.resize(static_cast<std::size_t>(count));
   for (TriangleMesh::Triangle& t : mesh.triangles)
-    for (Corner& corner : t) corner.vertex = kept[static_cast<std::size_t>(corner.vertex)];
+    for (FaceCorner& corner : t) corner.vertex = kept[static_cast<std::size_t>(corner.vertex)];
   remarks.push_back(file + ": " + std::to_string(stray) +
                     (stray == 1 ? " vertex that no face names was left out"
                                 : " vertices that no face names were left out"));

@@ -15,20 +15,20 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-struct Case {
+struct ReadableMesh {
   const char* file;
   std::size_t triangles;
   const char* remark;  // a part of it; empty: there is none
   Vector3d middle = Vector3d::Zero();
 };
 
-std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.file; }
+std::ostream& operator<<(std::ostream& out, const ReadableMesh& c) { return out << c.file; }
 
-class MeshCase : public testing::TestWithParam<Case> {};
+class MeshCase : public testing::TestWithParam<ReadableMesh> {};
 
 // Each is of a cube of edge 2, with normals along the axes and its sides seen from outside.
 TEST_P(MeshCase, IsReadAsMeant) {
-  const Case& c = GetParam();
+  const ReadableMesh& c = GetParam();
   std::vector<std::string> remarks;
   const auto path =
       std::filesystem::path(TURNLIGHT_SOURCE_DIR) / "tests/rig/session/cases" / c.file;
@@ -53,20 +53,25 @@ TEST_P(MeshCase, IsReadAsMeant) {
 INSTANTIATE_TEST_SUITE_P(
     Files, MeshCase,
     testing::Values(
-        Case{"cube_texcoord_after.ply", 12, ""}, Case{"cube_flags_before.ply", 12, ""},
-        Case{"cube_other_elements.ply", 12, ""},
-        Case{"cube_double_offset_be.ply", 12, "", {482311.25, 5407899.75, 310.5}},
-        Case{"cube_tristrips.ply", 4, ""}, Case{"cube_cr_only.ply", 12, ""},
-        Case{"cube_bom.obj", 12, ""},
-        Case{"cube_stray_nan.ply", 12, "1 vertex that no face names was left out"},
-        Case{"cube_one_bad_face.ply", 12, "2 of 14 faces cannot be used and were left out"},
-        Case{"cube_continued_lines.obj", 12, ""}, Case{"cube_empty_normals.obj", 12, ""},
-        Case{"cube_texture_no_normals.obj", 12, ""},
-        Case{"cube_some_normals.obj", 12, "30 of 36 corners of triangles have no usable normal"},
-        Case{"cube_inside_out.ply", 12, "all 12 faces were wound inwards and were turned round"},
-        Case{"cube_mixed_winding.ply", 12, "6 of 12 faces were wound the wrong way"},
-        Case{"cube_both_sides.ply", 12,
-             "12 of 24 faces are copies of others at the same place, 12 of them the other"}),
+        ReadableMesh{"cube_texcoord_after.ply", 12, ""},
+        ReadableMesh{"cube_flags_before.ply", 12, ""},
+        ReadableMesh{"cube_other_elements.ply", 12, ""},
+        ReadableMesh{"cube_double_offset_be.ply", 12, "", {482311.25, 5407899.75, 310.5}},
+        ReadableMesh{"cube_tristrips.ply", 4, ""}, ReadableMesh{"cube_cr_only.ply", 12, ""},
+        ReadableMesh{"cube_bom.obj", 12, ""},
+        ReadableMesh{"cube_stray_nan.ply", 12, "1 vertex that no face names was left out"},
+        ReadableMesh{"cube_one_bad_face.ply", 12, "2 of 14 faces cannot be used and were left out"},
+        ReadableMesh{"cube_continued_lines.obj", 12, ""},
+        ReadableMesh{"cube_empty_normals.obj", 12, ""},
+        ReadableMesh{"cube_texture_no_normals.obj", 12, ""},
+        ReadableMesh{"cube_some_normals.obj", 12,
+                     "30 of 36 corners of triangles have no usable normal"},
+        ReadableMesh{"cube_inside_out.ply", 12,
+                     "all 12 faces were wound inwards and were turned round"},
+        ReadableMesh{"cube_mixed_winding.ply", 12, "6 of 12 faces were wound the wrong way"},
+        ReadableMesh{
+            "cube_both_sides.ply", 12,
+            "12 of 24 faces are copies of others at the same place, 12 of them the other"}),
     [](const auto& info) {
       const std::string file = info.param.file;
       return file.substr(0, file.find('.'));
