@@ -17,20 +17,20 @@ namespace {
 // Bytes. Measured with colour pictures of 0.1 to 24 megapixels, spheres and meshes; each with some
 // room, for 16 bits among other things.
 constexpr double kProgram = 90e6;
-constexpr double kOfRays = 24.0;         // each pixel of the camera
-constexpr double kOfPicture = 26.0;      // each pixel of a picture that is read, traced and checked
-constexpr double kOfNoise = 12.0;        // and its noise
-constexpr double kOfTraced = 230.0;      // each pixel of the target in a small picture
-constexpr double kOfPixel = 94.0;        // each pixel that is held
-constexpr double kOfShadows = 17.0;      // each of a target that can shadow itself
-constexpr double kOfWeight = 8.0;        // each with a weight of its own
-constexpr double kOfSolver = 56.0;       // each, while the solver and the error bars are at work
-constexpr double kOfPrediction = 16.0;   // each, while residual maps are made
-constexpr double kOfSignature = 12.0;    // each pixel of a view's signature
+constexpr double kOfRays = 24.0;        // each pixel of the camera
+constexpr double kOfPicture = 26.0;     // each pixel of a picture that is read, traced and checked
+constexpr double kOfNoise = 12.0;       // and its noise
+constexpr double kOfTraced = 230.0;     // each pixel of the target in a small picture
+constexpr double kOfPixel = 94.0;       // each pixel that is held
+constexpr double kOfShadows = 17.0;     // each of a target that can shadow itself
+constexpr double kOfWeight = 8.0;       // each with a weight of its own
+constexpr double kOfSolver = 56.0;      // each, while the solver and the error bars are at work
+constexpr double kOfPrediction = 16.0;  // each, while residual maps are made
+constexpr double kOfSignature = 12.0;   // each pixel of a view's signature
 constexpr double kMostOfSignature = 1e5;
-constexpr double kOfResidual = 4.0;      // each pixel of a residual map
+constexpr double kOfResidual = 4.0;  // each pixel of a residual map
 constexpr double kResidualMaps = 6.0;
-constexpr double kOfFace = 400.0;        // of a mesh
+constexpr double kOfFace = 400.0;  // of a mesh
 
 constexpr int kGrid = 96;  // rays across and down a picture
 
@@ -71,13 +71,14 @@ double MemoryNeed(const MemoryInputs& in) {
   const auto keyframes = static_cast<double>(in.keyframes);
   const double in_flight =
       std::min(static_cast<double>(observe::KeyframesInFlight(in.picture_pixels)), keyframes);
-  const double on_target = keyframes > 0.0 ? static_cast<double>(in.target_pixels) / keyframes : 0.0;
+  const double on_target =
+      keyframes > 0.0 ? static_cast<double>(in.target_pixels) / keyframes : 0.0;
   const double traced = observe::IsTracedWhole(in.picture_pixels) ? kOfTraced * on_target : 0.0;
-  const double pixel = kOfPixel + (in.casts_shadows ? kOfShadows : 0.0) +
-                       (in.noise_known ? kOfWeight : 0.0);
+  const double pixel =
+      kOfPixel + (in.casts_shadows ? kOfShadows : 0.0) + (in.noise_known ? kOfWeight : 0.0);
   const double signature = kOfSignature * std::min(picture / 9.0, kMostOfSignature);
-  const double always = kProgram + kOfRays * picture + kOfFace * static_cast<double>(in.mesh_faces) +
-                        signature * keyframes;
+  const double always = kProgram + kOfRays * picture +
+                        kOfFace * static_cast<double>(in.mesh_faces) + signature * keyframes;
   const double observing =
       in_flight * (picture * (kOfPicture + (in.noise_known ? kOfNoise : 0.0)) + traced) +
       pixel * Held(in);
@@ -118,8 +119,8 @@ Status CheckMemory(const MemoryInputs& in, double most_bytes) {
   return InputError(Format("--max-memory: the estimate would need up to %s, allowed are %s; ",
                            Gigabytes(need).c_str(), Gigabytes(most_bytes).c_str()) +
                     (fits.empty() ? "no number of pixels or views would fit, for pictures of this "
-                                    "size take " + Gigabytes(need - kOfPixel * Held(in)) +
-                                        " alone"
+                                    "size take " +
+                                        Gigabytes(need - kOfPixel * Held(in)) + " alone"
                                   : fits + " would fit"));
 }
 

@@ -14,12 +14,12 @@ namespace turnlight::estimator {
 struct MemoryInputs {
   std::size_t picture_pixels = 0;  // of one picture
   std::size_t keyframes = 0;
-  std::size_t target_pixels = 0;   // of all keyframes together, at most
-  std::size_t most_pixels = 0;     // that the estimate may hold
-  bool casts_shadows = false;      // a mesh
-  bool noise_known = false;        // radiometry.noise
+  std::size_t target_pixels = 0;  // of all keyframes together, at most
+  std::size_t most_pixels = 0;    // that the estimate may hold
+  bool casts_shadows = false;     // a mesh
+  bool noise_known = false;       // radiometry.noise
   std::size_t mesh_faces = 0;
-  bool pictures = true;            // drawn at the end
+  bool pictures = true;  // drawn at the end
 };
 
 // An upper bound of the most that the program holds at a time, in bytes; at most about 1.5 times

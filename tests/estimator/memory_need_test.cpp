@@ -1,7 +1,7 @@
 // Proves: the need that is said grows with what it should grow with; a refusal names a number of
-// pixels and of views that do fit; sizes are read as people write them. Does not prove that the need
-// is right: large_pictures_test does for small ones, and docs/estimation.md has what was measured at
-// 24 megapixels.
+// pixels and of views that do fit; sizes are read as people write them. Does not prove that the
+// need is right: large_pictures_test does for small ones, and docs/estimation.md has what was
+// measured at 24 megapixels.
 #include "estimator/memory_need.h"
 
 #include <gmock/gmock.h>

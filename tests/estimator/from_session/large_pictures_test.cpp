@@ -1,6 +1,6 @@
 // Proves: an estimate of pictures that are traced in steps takes less memory than what is said
-// beforehand, and few pixels of them give the same bits on any number of threads; it is refused when
-// it does not fit. Does not prove how near the prediction is.
+// beforehand, and few pixels of them give the same bits on any number of threads; it is refused
+// when it does not fit. Does not prove how near the prediction is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
