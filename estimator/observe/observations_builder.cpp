@@ -27,7 +27,7 @@ std::size_t WholeTiles(std::size_t pixels) { return (pixels + kTile - 1) / kTile
 ObservationsBuilder::ObservationsBuilder(const target::Geometry& geometry,
                                          const calib::RayGrid& rays, std::size_t keyframes,
                                          std::size_t most)
-    : geometry_(&geometry), rays_(&rays), keyframes_(keyframes), most_(most), begin_{0} {
+    : rays_(&rays), keyframes_(keyframes), most_(most), begin_{0} {
   out_.radius = geometry.radius();
   out_.channels = 1;
   if (!geometry.CanShadowItself()) return;

@@ -23,7 +23,8 @@ inline constexpr std::size_t kAllPixels = std::numeric_limits<std::size_t>::max(
 // alike: what is kept at the end depends on the pictures alone, not on their order in time.
 class ObservationsBuilder {
  public:
-  // Geometry and rays must outlive the builder; keyframes: how many will come.
+  // Geometry and rays must outlive the builder and, if it shadows itself, the geometry what is
+  // built; keyframes: how many will come.
   ObservationsBuilder(const target::Geometry& geometry, const calib::RayGrid& rays,
                       std::size_t keyframes, std::size_t most);
 
@@ -45,7 +46,6 @@ class ObservationsBuilder {
   template <typename Body>
   void ForEachArray(const Body& body);
 
-  const target::Geometry* geometry_;
   const calib::RayGrid* rays_;
   std::size_t keyframes_, most_, usable_ = 0, used_ = 0;
   bool weighted_ = true;

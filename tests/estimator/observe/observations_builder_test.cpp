@@ -1,7 +1,7 @@
 // Proves: a builder that may hold few pixels ends with whole blocks of the very pixels that one
 // without a limit has, nearly as many as it may hold, the same for any number of threads; grey
 // keyframes before a coloured one, and keyframes without noise, are taken as in one go. Does not
-// prove how much memory that takes: scripts and docs/estimation.md do.
+// prove how much memory that takes: large_pictures_test does.
 #include "estimator/observe/observations_builder.h"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST(ObservationsBuilder, OneKeyframeWithoutNoiseLeavesAllUnweighted) {
   for (model::Keyframe& keyframe : ball.keyframes)
     keyframe.image.variance = cv::Mat1f(48, 64, 1e-6f);
   EXPECT_FALSE(Build(ball.keyframes, ball.geometry, ball.rays, kAllPixels).weight.empty());
-  ball.keyframes[1].image.variance = {};
+  ball.keyframes[1].image.variance = cv::Mat1f();
   const Observations all = Build(ball.keyframes, ball.geometry, ball.rays, kAllPixels);
   EXPECT_TRUE(all.weight.empty());
   EXPECT_TRUE(all.variance.empty());
