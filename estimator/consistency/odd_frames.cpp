@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kCore = 0.7;  // share of the frames that a fit concentrates on
 constexpr int kConcentrations = 6, kRounds = 3;
+constexpr std::size_t kThirds = 3, kFewestPixels = 300;
+constexpr double kWellLeft = 0.01;  // of the level: no other start is tried
 constexpr double kTimesUsual = 4.0, kSigmas = 6.0;
 constexpr double kLeastLeft = 0.004;  // of the level
 constexpr double kLeastGainStep = 0.03;
@@ -36,6 +38,12 @@ std::vector<double> Lefts(const std::vector<FrameResidual>& residuals) {
   return out;
 }
 
+double Level(const std::vector<FrameResidual>& residuals) {
+  std::vector<double> levels;
+  for (const FrameResidual& residual : residuals) levels.push_back(residual.level);
+  return MedianOf(levels);
+}
+
 // The frames of which least is left.
 std::vector<bool> Core(const std::vector<FrameResidual>& residuals) {
   std::vector<std::size_t> order(residuals.size());
@@ -47,6 +55,15 @@ std::vector<bool> Core(const std::vector<FrameResidual>& residuals) {
   const auto count = static_cast<std::size_t>(std::ceil(kCore * static_cast<double>(order.size())));
   for (std::size_t i = 0; i < count; ++i) core[order[i]] = true;
   return core;
+}
+
+// What is left of those, in the mean.
+double LeftOfCore(const std::vector<FrameResidual>& residuals) {
+  const std::vector<bool> core = Core(residuals);
+  double sum = 0.0, count = 0.0;
+  for (std::size_t k = 0; k < residuals.size(); ++k)
+    if (core[k]) sum += residuals[k].left, count += 1.0;
+  return count > 0.0 ? sum / count : 0.0;
 }
 
 // How much each gain is beyond the middle of its neighbours', frames that are odd already aside.
@@ -79,10 +96,8 @@ Verdict Judge(const std::vector<FrameResidual>& residuals, const std::vector<dou
               double noise) {
   Verdict out;
   const std::vector<double> lefts = Lefts(residuals);
-  std::vector<double> levels;
-  for (const FrameResidual& residual : residuals) levels.push_back(residual.level);
   out.usual = MedianOf(lefts);
-  out.level = MedianOf(levels);
+  out.level = Level(residuals);
   const double limit = std::max({kTimesUsual * out.usual, out.usual + kSigmas * Scatter(lefts),
                                  kLeastLeft * out.level, 3.0 * noise});
   for (const FrameResidual& residual : residuals)
@@ -133,12 +148,34 @@ class Judging {
     return scene;
   }
 
+  // From a fit of all and, where that leads to nothing, of every third frame: of two odd frames one
+  // of these three fits has none.
+  model::Scene BestStart(const model::Scene& of_all, double noise) const {
+    model::Scene best = Concentrated(of_all);
+    std::vector<FrameResidual> residuals = ResidualsOf(best);
+    double least = LeftOfCore(residuals);
+    for (std::size_t first = 0; first < kThirds && !StopRequested(stop_); ++first) {
+      if (least <= std::max(kWellLeft * Level(residuals), 3.0 * noise)) break;
+      std::vector<bool> third(residuals.size(), false);
+      for (std::size_t k = first; k < third.size(); k += kThirds) third[k] = true;
+      const observe::Observations some = Only(all_, third);
+      if (some.used < kFewestPixels) continue;
+      model::Scene scene = Concentrated(FitQuickly(some, choice_, stop_).scene);
+      const std::vector<FrameResidual> left = ResidualsOf(scene);
+      if (LeftOfCore(left) >= least) continue;
+      best = std::move(scene);
+      residuals = left;
+      least = LeftOfCore(left);
+    }
+    return best;
+  }
+
   FramesJudged Run(const std::vector<double>& on_mask) const {
     FramesJudged out;
     const Fit of_all = FitQuickly(all_, choice_, stop_);
     out.rms_of_all = of_all.rms;
-    out.scene = Concentrated(of_all.scene);
     const double noise = observe::EstimateNoise(all_);
+    out.scene = BestStart(of_all.scene, noise);
     std::vector<bool> odd;
     std::vector<FrameResidual> residuals;
     for (int round = 0; round < kRounds && !StopRequested(stop_); ++round) {

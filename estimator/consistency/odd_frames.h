@@ -39,9 +39,9 @@ inline constexpr double kMostOdd = 1.0 / 3.0;
 // differences; or if its mask covers the target otherwise than the other masks do.
 //
 // The scene is found by concentration: fitted to all, then to the seven tenths that it leaves least
-// of, until these are the same; then anew to all that are not odd by it (Rousseeuw and Van
-// Driessen, "Computing LTS Regression for Large Data Sets", 2006). If more than kMostOdd are odd,
-// none is. Deterministic for any number of threads.
+// of, until these are the same, and if much is left also from every third frame; then anew to all
+// that are not odd by it (Rousseeuw and Van Driessen, "Computing LTS Regression for Large Data
+// Sets", 2006). If more than kMostOdd are odd, none is. Deterministic for any number of threads.
 FramesJudged JudgeFrames(const SmallViews& views, const observe::Observations& all,
                          const target::Geometry& geometry, const calib::RayGrid& rays,
                          const model::ModelChoice& choice, const StopFlag* stop);

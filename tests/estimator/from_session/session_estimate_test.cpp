@@ -99,7 +99,7 @@ TEST_F(FromSession, AMeshWoundInwardsIsMendedOrTheCause) {
   ASSERT_TRUE(WriteFileAtomic(file, rig::sim::MeshToPly(*mesh)));
   const auto refused = EstimateSession(root);
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text, testing::AllOf(HasSubstr("its winding is inside out"),
+  EXPECT_THAT(refused.error().text, testing::AllOf(HasSubstr("the mesh is wound inwards"),
                                                    testing::Not(HasSubstr("check the poses"))));
 }
 
