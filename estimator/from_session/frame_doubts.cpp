@@ -81,7 +81,7 @@ std::string WordsOfChange(const consistency::Consistency& found) {
   const consistency::TriedChange& change = *found.change;
   std::string alike;
   for (std::size_t i = 0; i < std::min(found.alike.size(), kMostAlike); ++i)
-    alike += (i == 0 ? " The pictures look the same " : " and ") + found.alike[i];
+    alike += (i == 0 ? " The pictures are explained equally well " : " and ") + found.alike[i];
   std::string words = change.words;
   words[0] = 'W';
   return messages::Text(found.rms > 0.0 ? "poses-doubtful" : "poses-doubtful/unseen",

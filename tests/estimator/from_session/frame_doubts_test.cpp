@@ -93,7 +93,7 @@ TEST_F(FrameDoubts, AWrongDirectionIsToldAndNothingIsChanged) {
   ASSERT_NE(note, nullptr);
   EXPECT_NE(note->text.find("With the angles reversed the residual falls from"), std::string::npos)
       << note->text;
-  EXPECT_NE(note->text.find("is the table's direction wrong?"), std::string::npos);
+  EXPECT_NE(note->text.find("check which way the table turns."), std::string::npos);
   EXPECT_EQ(found->keyframes.size(), 12u);
 }
 
