@@ -139,10 +139,9 @@ int RunSafely(int argc, char** argv) {
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::bad_alloc&) {
-    return Fail(
-        {ErrorKind::kSystem,
-         "not enough memory for this input; of a session estimate --frames or --views takes "
-         "fewer pictures"});
+    return Fail({ErrorKind::kSystem,
+                 "not enough memory for this input; turnlight estimate needs less with --pixels, "
+                 "--views or --frames"});
   } catch (const std::exception& error) {
     return Fail(
         {ErrorKind::kSystem,

@@ -45,12 +45,14 @@ int Verify(const std::string& folder) {
 void PrintFrames(const estimator::from_session::ModelCheck& check) {
   const estimator::consistency::FramesJudged& judged = check.found.frames;
   if (check.frames.empty()) {
-    std::cout << Format("model: fewer than %zu frames: none can be judged by the others\n",
+    std::cout << Format("model: fewer than %zu frames, too few to judge each by the others\n",
                         estimator::consistency::kFewestJudged);
     return;
   }
-  std::cout << Format("model: what the other frames leave of each, of white; %.2g is usual\n",
-                      judged.usual)
+  std::cout << Format(
+                   "model: how far each frame is from what the others tell (80 %% of its pixels "
+                   "within, of white); %.2g is usual\n",
+                   judged.usual)
             << "  frame    angle   residual  brightness  file\n";
   for (const auto& frame : check.frames) {
     const auto& of = frame.judged.residual;
@@ -65,16 +67,17 @@ void PrintChanges(const estimator::consistency::Consistency& found) {
   constexpr std::size_t kMostShown = 8;
   if (found.tried.empty()) return;
   std::cout << Format(
-      "poses: what some lights or other leave of the pictures, of white: %.2g as "
-      "they are; a fit leaves %.2g\n",
+      "poses: what lights cannot explain of the pictures, rms of white: as the poses are %.2g, "
+      "after a fit %.2g; with all of them changed:\n",
       found.left, found.rms);
   for (std::size_t i = 0; i < std::min(found.tried.size(), kMostShown); ++i) {
     const auto& tried = found.tried[i];
     std::cout << Format("  %9.2g  ", tried.left) << tried.words
-              << (tried.rms ? Format("; a fit leaves %.2g", *tried.rms) : "") << "\n";
+              << (tried.rms ? Format("; after a fit %.2g", *tried.rms) : "") << "\n";
   }
   if (found.tried.size() > kMostShown)
-    std::cout << Format("  and %zu more that leave more\n", found.tried.size() - kMostShown);
+    std::cout << Format("  and %zu other changes that explain less\n",
+                        found.tried.size() - kMostShown);
 }
 
 // Exit code 3 if a frame or the poses do not fit.

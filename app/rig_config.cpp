@@ -190,9 +190,9 @@ Result<CalibrationOfRig> ReadRigCalibrationKey(StrictObject& rig, const fs::path
     auto text = ReadFile(path);
     if (!text)
       return InputError(rig.Where("calibration") + ": " + text.error().text +
-                        "; a rig has to be calibrated before it captures. Of simulated devices "
-                        "turnlight simulate SIM.yaml --calibration FILE writes it; of your own "
-                        "rig docs/hardware.md, \"Calibrating\", says what belongs in it");
+                        "; a rig has to be calibrated before it captures: turnlight calibrate rig "
+                        "does it (docs/calibrating.md). Of simulated devices turnlight simulate "
+                        "SIM.yaml --calibration FILE writes it");
     read.text = std::move(*text);
     calibration = rig::ReadRigCalibration(path);
   } else if (value.is_object()) {

@@ -24,7 +24,8 @@ void AnytimeEstimator::Add(const model::Keyframe& keyframe) {
     const int block = consistency::BlockFor(camera_, geometry_, {{keyframe.X_WC, keyframe.X_WT}});
     small_.emplace(consistency::SmallViews{camera_.InBlocks(block), block, {}});
   }
-  small_->views.push_back(consistency::MakeSmallView(keyframe, small_->block));
+  small_->views.push_back(
+      consistency::MakeSmallView(keyframe, small_->block, small_->views.size()));
 }
 
 Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {

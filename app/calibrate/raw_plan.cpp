@@ -62,7 +62,8 @@ Result<std::vector<std::optional<rig::RawCaptureFrame>>> KeptFrames(
       return InputError(
           (capture.root / rig::kCaptureFile).string() + ": " + found->image + " was taken " +
           Words(found->angle_deg, found->exposure.exposure_us, found->exposure.gain_db) +
-          ", asked is it " + Words(plan[i].angle_deg, settings.exposure_us, settings.gain_db) +
+          ", now it is asked for " +
+          Words(plan[i].angle_deg, settings.exposure_us, settings.gain_db) +
           "; allowed is the same again, or another --out or --kind");
     const auto index = static_cast<std::size_t>(found - capture.frames.begin());
     if (found->sha256 && rig::ReadRawImage(capture, index)) kept[i] = *found;

@@ -87,12 +87,14 @@ Check JudgePortName(const std::string& named, const std::optional<rig::serial::P
   if (!info || info->usb_ids.empty())
     return Skipped(named + " is no USB adapter: its name does not change with the plugs");
   if (!info->stable_path.empty())
-    return Warning(named + " may be another device tomorrow",
+    return Warning(named + " may be another device after it is plugged in again",
                    "put into the config, under rig/table: port: " + info->stable_path);
-  return Warning(named + " may be another device tomorrow, and udev gives it no other name",
-                 "add to /etc/udev/rules.d/60-turnlight.rules: " + PortRule(*info) +
-                     "; then sudo udevadm control --reload && sudo udevadm trigger, and put into "
-                     "the config port: /dev/turntable");
+  return Warning(
+      named +
+          " may be another device after it is plugged in again, and udev gives it no other name",
+      "add to /etc/udev/rules.d/60-turnlight.rules: " + PortRule(*info) +
+          "; then sudo udevadm control --reload && sudo udevadm trigger, and put into "
+          "the config port: /dev/turntable");
 }
 
 Check CheckPortAccess(Patient& patient) {
@@ -112,8 +114,8 @@ Check CheckPortHolder(Patient& patient) {
   const std::string holders = rig::serial::HoldersOf(*path);
   if (holders.empty()) return Fine("free");
   return Warning("open in " + holders,
-                 "end it if it talks to the controller; a program that holds it for a simulated "
-                 "controller is none of these");
+                 "end that program, unless it is the simulator of a simulated controller, which "
+                 "holds the port by right");
 }
 
 Check CheckPortName(Patient& patient) {

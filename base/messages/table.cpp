@@ -19,10 +19,10 @@ const std::vector<Row> kTooFewPixels = {
     {"seen-from-behind", kRefusal,
      "most rays that meet the target meet a face from behind, or where its normal points away",
      "{used} usable pixels, at least {least} are needed. {share} % of what is seen of the target "
-     "is "
-     "seen from behind:",
-     "the mesh is wound inwards, or its normals point inwards; turn its faces round. (Of a plane: "
-     "the camera is behind it; sides: 2 gives it a second side.)"},
+     "is seen from behind:",
+     "the mesh is wound inwards, or its normals point inwards: turn its faces round; or the poses "
+     "put the camera behind the target or inside it: check them and the unit of length. (A plane "
+     "gets a second side by sides: 2.)"},
     {"not-numbers", kRefusal, "most target pixels are NaN or infinite",
      "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
      "no numbers (NaN or infinite):",
@@ -46,7 +46,7 @@ const std::vector<Row> kTooFewPixels = {
      "most target pixels are at the sensor's floor, and the bright ones are near white",
      "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
      "lost in noise, though bright ones reach {bright} of white:",
-     "lower the gain, or average pictures; more light would clip."},
+     "lower the gain, or average several pictures of each pose; more light would clip."},
     {"too-oblique", kRefusal, "most target pixels are seen at a grazing angle",
      "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels see "
      "the surface too obliquely:",
@@ -71,7 +71,8 @@ const std::vector<Row> kNoLight = {
      "check the lamp, the exposure and radiometry.black."},
     {"not-a-surface", kRefusal, "more than 35 % of the target's pixels are outliers",
      "{count} of {on_target} target pixels are unlike all around them:",
-     "the pictures show something else than a surface; check their format and the masks."},
+     "the pictures show something else than a surface, such as noise or bytes in the wrong order; "
+     "check their format and the masks."},
     {"no-light/copies", kRefusal,
      "no light explains the pictures, and some are copies of others, at other poses",
      "no light explains the pictures, and {copies} of {views} are copies of others, value for "
@@ -86,18 +87,18 @@ const std::vector<Row> kNoLight = {
      "no light is found, and the noise could hide one in pictures far below white",
      "no light explains more of the pictures than ambient light does; their noise is {noise}, "
      "{share} % of the brightest radiance, and that is {bright} of white:",
-     "expose longer."},
+     "expose longer, or check the lamp."},
     {"no-light/noisy", kRefusal,
      "no light is found, and the noise could hide one though the pictures reach white",
      "no light explains more of the pictures than ambient light does; their noise is {noise}, "
      "{share} % of the brightest radiance, which is near white already:",
-     "lower the gain, or average pictures."},
+     "lower the gain, or average several pictures of each pose."},
     {"no-light/unexplained", kRefusal,
      "no light is found, though the pictures vary by more than noise",
      "no light explains more of the pictures than ambient light does, though they vary by more "
      "than noise (residual rms {rms}, noise {noise}, brightest radiance {bright}):",
      "what varies does not go with the surface's orientation; check the poses, the masks and that "
-     "the shape is that of the target."},
+     "the shape is that of the target (turnlight verify SESSION --model tries other poses)."},
     {"direction-unknown/flat", kRefusal,
      "the brightest light's direction is not known to 45 degrees, and all that is seen of the "
      "target faces one way",
@@ -109,7 +110,7 @@ const std::vector<Row> kNoLight = {
      "the same, and the noise is more than 15 % of the brightest radiance",
      "the direction of the brightest light is not known to 45 degrees; the noise is {share} % of "
      "the brightest radiance:",
-     "lower the gain, average pictures, or take more of them."},
+     "average several pictures of each pose, take more of them, or lower the gain."},
     {"direction-unknown", kRefusal, "the same, for another reason",
      "the direction of the brightest light is not known to 45 degrees (sigma {sigma}) from {views} "
      "with {pixels} usable pixels:",
@@ -126,7 +127,7 @@ const std::vector<Row> kViews = {
     {"views-add-nothing/repeated", kNote, "views are alike within noise, at the same poses",
      "{distinct} of {views} views differ by more than noise; the others repeat a pose, and the "
      "sigmas are those of the distinct ones.",
-     "Take pictures at other angles for more."},
+     "To learn more, take pictures at other angles."},
     {"views-add-nothing/copies", kNote,
      "pictures at different poses have the same values bit for bit, though what they should show "
      "differs",
@@ -149,18 +150,20 @@ const std::vector<Row> kViews = {
 
 const std::vector<Row> kModel = {
     {"no-highlight", kNote, "the data do not call for a specular part", "No highlight was found:",
-     "shininess is null, and the lights' places rest on diffuse shading alone."},
+     "shininess is null, and the lights' directions and distances rest on diffuse shading alone."},
     {"grey", kNote, "the pictures have one channel, or three that are the same",
      "The pictures are grey:", "albedo and products repeat one value for R, G and B."},
     {"distance-unknown", kNote, "the data do not call for a finite distance of some light",
      "Lights with distance null are too far for the data to tell how far;",
-     "distance_min is a 95 % bound."},
+     "with 95 % confidence they are farther than distance_min."},
     {"not-converged", kNote, "the solver ended at its limit of iterations",
-     "The solver reached its limit of iterations.", ""},
+     "The solver reached its limit of iterations.",
+     "The values may not be the best fit yet, and their sigmas may be too small."},
     {"not-converged/not-finite", kNote, "the solver ended where the model is not finite",
-     "The model is not finite where the solver stands.", ""},
+     "The solver could not begin: the model is not finite at its start.",
+     "The values are those of the start, not of a fit."},
     {"not-converged/descent", kNote, "--method paper, and the descent ended at its limit",
-     "The descent reached its limit of iterations.", ""},
+     "The descent reached its limit of iterations.", "The lights may not be the best fit yet."},
     {"distance-brightness-equivalent", kNote, "--method paper",
      "The paper's lights have no intensity of their own: each is taken to be as bright as one that "
      "gives the irradiance 1 from the distance {distance} (--ceiling-distance, in the session's "
@@ -181,20 +184,21 @@ const std::vector<Row> kModel = {
      "uncertain."},
     {"outliers", kNote, "0.5 % of the target's pixels or more are outliers",
      "{count} of {on_target} target pixels are unlike all around them and were left out;",
-     "some may have been missed."},
+     "look at the pictures for broken pixels, dust or damaged data; some may have been missed."},
     {"exposure", kNote, "the brightest radiance is far from white",
-     "The brightest radiance is about {level} of white:",
-     "decisions, and the numbers in their reasons, take that as white."},
+     "The brightest radiance is about {level} of white; the numbers in the reasons of decisions "
+     "are shares of it, not of white.",
+     "If the pictures do not look so dark or so bright, check radiometry's white."},
     {"not-determined", kNote,
      "values whose sigma says that nothing is known of them: they are null",
-     "The data do not determine {list}: by their sigmas anything is possible, and they are null.",
+     "The data do not determine {list}: their sigmas allow any value, and they are null.",
      "More pictures, from other sides, or less noise would tell them."},
     {"not-determined/no-light", kNote, "the same, and no light was found",
      "The data do not determine {list}, and they are null:", "there is no light to see them by."},
     {"light-left-out", kNote,
      "the direction of a light, not of the brightest, is not known to 45 degrees",
      "{lights} left out of the list, with a direction that is not known to 45 degrees; the "
-     "residual is with what was left out.",
+     "residual is that of the fit before they were left out.",
      "--model lights=N decides how many there are."},
     {"null-distance-min", kNote, "a light's distance has no bound",
      "distance_min is null for light {lights}:", "the data do not bound its distance from below."},
@@ -211,31 +215,30 @@ const std::vector<Row> kFrames = {
     {"frames-left-out", kNote,
      "frames do not belong to the others (docs/estimation.md, section 13)",
      "{odd} of {frames} frames do not belong to the others and are left out: {list}.",
-     "--frames chooses by hand."},
+     "Mend or remove them; --frames chooses frames by hand."},
     {"frames-odd", kNote, "the same, and the frames were chosen by hand",
-     "{odd} of {frames} frames do not belong to the others, but were chosen by hand: "
-     "{list}.",
-     ""},
+     "{odd} of {frames} frames do not belong to the others, but were chosen by hand: {list}.",
+     "If that was not meant, leave them out of --frames."},
     {"poses-doubtful", kNote,
      "a change of all poses explains at least half of the residual, and at most 3 % of the "
      "brightest radiance is left",
      "{change} the residual falls from {before} to {after} of white:",
-     "{question}{alike} Nothing was changed."},
+     "{question}{alike} The poses were left as they are."},
     {"poses-doubtful/unseen", kNote,
-     "the poses as they are show hardly anything of the target, and a change of all of "
-     "them explains the pictures",
+     "the poses as they are show hardly anything of the target, and a change of all of them "
+     "explains the pictures",
      "{change} the target is seen, with a residual of {after} of white:",
-     "{question}{alike} Nothing was changed."},
+     "{question}{alike} The poses were left as they are."},
     {"pixels-thinned", kNote, "more pixels of the target are usable than are held in memory",
-     "{used} of about {usable} usable pixels were used, in blocks of {side} x {side} "
-     "spread evenly over the pictures:",
-     "more are not held in memory (--pixels)."},
+     "{used} of about {usable} usable pixels were used, in blocks of {side} x {side} spread evenly "
+     "over the pictures:",
+     "--pixels sets how many are held in memory."},
     {"facets-coarse", kNote,
-     "a mesh came without normals, and those made from its faces turn by more across a "
-     "facet than the highlight is wide",
-     "The mesh came without normals, and those made from its faces turn by {turn} degrees "
-     "across a facet, while the highlight is {highlight} degrees of normals wide: its "
-     "shape, and with it shininess and lights, is that of the facets.",
+     "a mesh came without normals, and those made from its faces turn by more across a facet than "
+     "the highlight is wide",
+     "The mesh came without normals, and those made from its faces turn by {turn} degrees across a "
+     "facet, more than the highlight is wide ({highlight} degrees of the normal): shininess and "
+     "lights may be those of the facets, not of the surface.",
      "Use a finer mesh, or one with normals."},
 };
 
@@ -255,8 +258,8 @@ const std::vector<Row> kCapture = {
      "the closure frame differs from the first by more than noise and more than matters",
      "the picture at {closure}\u00b0 differs from the one at {first}\u00b0 by {share} %, {sigmas} "
      "times what noise explains; allowed is {most_share} % or {most_sigmas} times:",
-     "the table lost its place, the target moved or the light changed, and the angles of this "
-     "capture are not to be trusted"},
+     "the table lost its place, the target moved or the light changed; check these and capture "
+     "again, for the angles of this capture are not to be trusted"},
 };
 
 std::vector<Row> Join() {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kCore = 0.7;  // share of the frames that a fit concentrates on
 constexpr int kConcentrations = 6, kRounds = 3;
-constexpr std::size_t kThirds = 3, kFewestPixels = 300;
-constexpr double kWellLeft = 0.01;  // of the level: no other start is tried
+constexpr std::size_t kThirds = 3, kFewestOfThird = 100;  // pixels
+constexpr double kWellLeft = 0.01;                        // of the level: no other start is tried
 constexpr double kTimesUsual = 4.0, kSigmas = 6.0;
 constexpr double kLeastLeft = 0.004;  // of the level
 constexpr double kLeastGainStep = 0.03;
@@ -159,7 +159,7 @@ class Judging {
       std::vector<bool> third(residuals.size(), false);
       for (std::size_t k = first; k < third.size(); k += kThirds) third[k] = true;
       const observe::Observations some = Only(all_, third);
-      if (some.used < kFewestPixels) continue;
+      if (some.used < kFewestOfThird) continue;
       model::Scene scene = Concentrated(FitQuickly(some, choice_, stop_).scene);
       const std::vector<FrameResidual> left = ResidualsOf(scene);
       if (LeftOfCore(left) >= least) continue;

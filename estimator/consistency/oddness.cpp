@@ -150,7 +150,7 @@ std::string Oddness::Copy(std::size_t k) const {
     const cv::Mat1f& a = views_.views[k].radiance;
     const cv::Mat1f& b = views_.views[j].radiance;
     if (cv::norm(a, b, cv::NORM_INF) == 0.0)
-      return Format("is the picture of frame %zu once more", j);
+      return Format("has the same picture as frame %zu", views_.views[j].number);
   }
   return {};
 }
@@ -165,7 +165,8 @@ std::string Oddness::OtherFrame(std::size_t k) const {
     best = j;
   }
   if (best == k || least > kExplained * usual_) return {};
-  return Format("shows what frame %zu should show: was it taken at that angle?", best);
+  return Format("shows what frame %zu should show: check the angle it was taken at",
+                views_.views[best].number);
 }
 
 std::string Oddness::Turn(std::size_t k) const {
@@ -195,27 +196,30 @@ std::string Oddness::Shift(std::size_t k) const {
       best_y = dy;
     }
   if (best_x == 0 && best_y == 0) return {};
-  return Format("is shifted by about (%d, %d) pixels: did the camera or the target move for it?",
+  return Format("is shifted by about (%d, %d) pixels: check whether the camera or the target moved",
                 best_x * views_.block, best_y * views_.block);
 }
 
 std::string Oddness::Of(std::size_t k, const FrameJudgement& judged) const {
   const FrameResidual& residual = judged.residual;
   if (residual.left <= kExplained * usual_ && judged.mask_on_target < 1.0 - kMaskStep)
-    return Format("has a mask that holds %.0f %% of what the target covers: is it another frame's?",
-                  100.0 * judged.mask_on_target);
+    return Format(
+        "has a mask that lets through %.0f %% of the target: check whether it is another frame's",
+        100.0 * judged.mask_on_target);
   if (std::string empty = Emptiness(k); !empty.empty()) return empty;
   if (std::string copy = Copy(k); !copy.empty()) return copy;
   if (residual.left_free <= kExplained * usual_)
     return Format(
-        "is only %s: %.3g times what the others tell. That is a matter of the lamp or the exposure",
+        "is %s than the others tell, %.3g times, and else like them: check the lamp and the "
+        "exposure",
         residual.gain < 1.0 ? "dimmer" : "brighter", residual.gain);
   for (const auto find : {&Oddness::Turn, &Oddness::OtherFrame, &Oddness::Shift})
     if (std::string words = (this->*find)(k); !words.empty()) return words;
   if (Roughness(views_.views[k].radiance, models_[k]) > kRough * residual.level)
-    return "looks like noise: are its bytes in the wrong order, or is it another format?";
-  return Format("differs from what the others tell by %.2g of white, where %.2g is usual",
-                residual.left, usual_);
+    return "looks like noise: check the order of its bytes and its format";
+  return Format(
+      "differs from what the others tell by %.2g of white, where %.2g is usual: look at it",
+      residual.left, usual_);
 }
 
 }  // namespace turnlight::estimator::consistency

@@ -25,8 +25,9 @@ class Oddness {
   Oddness(const SmallViews& views, std::vector<cv::Mat1f> models, std::vector<bool> odd,
           double usual);
 
-  // What explains frame k, simplest first: "is black", "is only dimmer: 0.5 times what the others
-  // tell", "is the picture of frame 6", ...; of what nothing explains, how much is left.
+  // What explains frame k, simplest first: "is black", "is dimmer than the others tell, 0.5
+  // times, ...", "has the same picture as frame 6", ...; of what nothing explains, how much is
+  // left.
   std::string Of(std::size_t k, const FrameJudgement& judged) const;
 
  private:

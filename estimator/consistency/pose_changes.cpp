@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <numbers>
 #include <numeric>
@@ -92,7 +93,7 @@ void TryFactors(Trial& trial, const Turning& turning) {
   if (near.left < best.left) best = near;
   best = Refined(best, near.at == best.at ? 0.01 : 0.03, 5e-4, left);
   Try(trial, "angle-factor", Format("with the angles times %.3g", best.at),
-      "is the angle per step of the table right?", Scaled(trial, turning, best.at));
+      "check the angle that the table turns per step.", Scaled(trial, turning, best.at));
 }
 
 void TryAngles(Trial& trial, const Turning& turning) {
@@ -113,7 +114,7 @@ void TryOffset(Trial& trial, const Turning& turning) {
   Best best = Refined(BestOf(coarse, left), 15.0, 0.3, left);
   best.at = std::remainder(best.at, 360.0);
   Try(trial, "angle-offset", Format("with %.3g degrees added to every angle", best.at),
-      "where was the angle 0?", offset(best.at));
+      "check where the target stood at the angle 0.", offset(best.at));
 }
 
 // The order in which numbers sort as text: 0, 1, 10, 11, 2.
@@ -131,7 +132,7 @@ struct OrderWords {
   const char* question;
 };
 
-OrderWords WordsOf(const Order& picture) {
+OrderWords WordsOf(const SmallViews& views, const Order& picture) {
   const std::size_t count = picture.size();
   bool reversed = true, shifted = true;
   const std::size_t shift = picture[0];
@@ -141,31 +142,32 @@ OrderWords WordsOf(const Order& picture) {
   }
   if (reversed)
     return {"order-reversed", "with the pictures in reversed order",
-            "are the pictures listed from last to first?"};
+            "check whether the pictures are listed from last to first."};
   if (shifted) {
     const auto by = 2 * shift > count ? static_cast<long>(shift) - static_cast<long>(count)
                                       : static_cast<long>(shift);
     return {"order-shifted",
-            Format("with each frame's picture taken from %ld frames further on", by),
-            "does the list of pictures begin too early or too late?"};
+            Format("with each frame's picture taken from the frame %ld %s it in the list",
+                   std::labs(by), by < 0 ? "before" : "after"),
+            "check whether the list of pictures begins too early or too late."};
   }
   Order inverse(count);
   const Order text = TextOrder(count);
   for (std::size_t k = 0; k < count; ++k) inverse[text[k]] = k;
   if (picture == text || picture == inverse)
     return {"order-as-text", "with the pictures in the order of their numbers",
-            "were they sorted as text, 1, 10, 11, 2?"};
+            "check whether they were sorted as text, 1, 10, 11, 2."};
   std::string list;
   for (std::size_t k = 0; k < std::min<std::size_t>(count, 8); ++k)
-    list += (k == 0 ? "" : ", ") + std::to_string(picture[k]);
+    list += (k == 0 ? "" : ", ") + std::to_string(views.views[picture[k]].number);
   return {"order-shuffled",
           "with the pictures in another order (" + list + (count > 8 ? ", ..." : "") + ")",
-          "do the pictures belong to these angles?"};
+          "check which picture belongs to which angle."};
 }
 
 void AddOrder(Trial& trial, const Design& design, Order picture) {
   if (picture == trial.in_order) return;
-  const OrderWords words = WordsOf(picture);
+  const OrderWords words = WordsOf(trial.views, picture);
   const double left = trial.explainer.Residual(design, picture);
   trial.found.push_back(
       {words.code, words.words, words.question, trial.given, std::move(picture), left});
@@ -218,18 +220,17 @@ Pose Transposed(const Pose& pose) { return {pose.rotation.transpose(), pose.tran
 
 void TryConventions(Trial& trial) {
   const Poses& given = trial.given;
-  const char* which = "does the pose go from the camera to the world, as X_WC does?";
+  const char* which = "check that X_WC goes from the camera to the world.";
   Try(trial, "camera-inverted", "with the camera's poses inverted", which,
       Map(given, [](const RigPoses& p) {
         return RigPoses{p.X_WC.Inverse(), p.X_WT};
       }));
   Try(trial, "target-inverted", "with the target's poses inverted",
-      "does the pose go from the target to the world, as X_WT does?",
-      Map(given, [](const RigPoses& p) {
+      "check that X_WT goes from the target to the world.", Map(given, [](const RigPoses& p) {
         return RigPoses{p.X_WC, p.X_WT.Inverse()};
       }));
   Try(trial, "poses-inverted", "with the poses of camera and target inverted",
-      "do the poses go to the world, as X_WC and X_WT do?", Map(given, [](const RigPoses& p) {
+      "check that X_WC and X_WT go to the world.", Map(given, [](const RigPoses& p) {
         return RigPoses{p.X_WC.Inverse(), p.X_WT.Inverse()};
       }));
   Try(trial, "camera-rotation-transposed", "with the camera's rotations transposed", which,
@@ -237,7 +238,7 @@ void TryConventions(Trial& trial) {
         return RigPoses{Transposed(p.X_WC), p.X_WT};
       }));
   Try(trial, "target-rotation-transposed", "with the target's rotations transposed",
-      "are the rows of its matrices columns?", Map(given, [](const RigPoses& p) {
+      "check that the rows of X_WT are rows and not columns.", Map(given, [](const RigPoses& p) {
         return RigPoses{p.X_WC, Transposed(p.X_WT)};
       }));
   struct Axes {
@@ -258,7 +259,7 @@ void TryConventions(Trial& trial) {
   for (const Axes& one : axes) {
     Pose turn;
     turn.rotation << one.x, one.y, one.x.cross(one.y);
-    Try(trial, one.code, one.words, "is the camera's frame x right, y down, z forward?",
+    Try(trial, one.code, one.words, "check that the camera's x is right, y down and z forward.",
         Map(given, [&](const RigPoses& p) {
           return RigPoses{p.X_WC * turn, p.X_WT};
         }));
@@ -271,8 +272,8 @@ void TryUnits(Trial& trial) {
     Try(trial, diameter ? "target-size" : "length-unit",
         diameter ? Format("with a target of %.2g times the size", 1.0 / factor)
                  : Format("with the poses' lengths times %.3g", factor),
-        diameter ? "is the target's radius a diameter, or the other way round?"
-                 : "are the poses in the unit of the target?",
+        diameter ? "check the target's size, whether it is a diameter or a radius."
+                 : "check that poses and target have the same unit of length.",
         Map(trial.given, [&](RigPoses p) {
           p.X_WC.translation *= factor;
           p.X_WT.translation *= factor;
@@ -304,7 +305,7 @@ void TryPlace(Trial& trial) {
   Try(trial, "target-place",
       Format("with the target moved by (%.3g, %.3g, %.3g) in its own frame", at.x(), at.y(),
              at.z()),
-      "where does the target stand on the table?", moved(at));
+      "check where the target stands on the table.", moved(at));
 }
 
 }  // namespace

@@ -37,13 +37,14 @@ int BlockFor(const calib::CameraModel& camera, const target::Geometry& geometry,
   return std::clamp(wanted, 1, std::max(1, std::min(camera.width(), camera.height()) / kLeastRows));
 }
 
-SmallView MakeSmallView(const model::Keyframe& keyframe, int block) {
+SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t number) {
   const cv::Mat& image = keyframe.image.radiance;
   const int rows = image.rows / block, columns = image.cols / block, channels = image.channels();
   SmallView out{cv::Mat1f(rows, columns),
                 cv::Mat1b(rows, columns),
                 cv::Mat1b(rows, columns),
-                {keyframe.X_WC, keyframe.X_WT}};
+                {keyframe.X_WC, keyframe.X_WT},
+                number};
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
       double sum = 0.0;

@@ -2,6 +2,7 @@
 // belong together, and small enough to keep all of them.
 #pragma once
 
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct SmallView {
   cv::Mat1b clipped;  // any pixel of the block was clipped or not finite
   cv::Mat1b mask;     // all pixels of the block are in the keyframe's mask
   calib::RigPoses poses;
+  std::size_t number = 0;  // what messages call it by
 };
 
 struct SmallViews {
@@ -32,7 +34,7 @@ int BlockFor(const calib::CameraModel& camera, const target::Geometry& geometry,
              const std::vector<calib::RigPoses>& poses);
 
 // Pixels beyond the last whole block are left out.
-SmallView MakeSmallView(const model::Keyframe& keyframe, int block);
+SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t number);
 
 // A small view as a keyframe with these poses.
 model::Keyframe ToKeyframe(const SmallView& view, const calib::RigPoses& poses);

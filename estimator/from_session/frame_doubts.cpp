@@ -32,7 +32,8 @@ std::string NameOf(const rig::Session& session, std::size_t frame) {
 SmallCopies::SmallCopies(const rig::Session& session, const std::vector<std::size_t>& frames,
                          const std::vector<calib::RigPoses>& poses,
                          const target::Geometry& geometry)
-    : views_{*session.camera, consistency::BlockFor(*session.camera, geometry, poses), {}} {
+    : frames_(frames),
+      views_{*session.camera, consistency::BlockFor(*session.camera, geometry, poses), {}} {
   views_.camera = session.camera->InBlocks(views_.block);
   views_.views.resize(frames.size());
   for (const std::size_t frame : frames)
@@ -41,7 +42,7 @@ SmallCopies::SmallCopies(const rig::Session& session, const std::vector<std::siz
 }
 
 void SmallCopies::Take(std::size_t keyframe, const model::Keyframe& full) {
-  views_.views[keyframe] = consistency::MakeSmallView(full, views_.block);
+  views_.views[keyframe] = consistency::MakeSmallView(full, views_.block, frames_[keyframe]);
   ++taken_;
 }
 
@@ -81,7 +82,7 @@ std::string WordsOfChange(const consistency::Consistency& found) {
   const consistency::TriedChange& change = *found.change;
   std::string alike;
   for (std::size_t i = 0; i < std::min(found.alike.size(), kMostAlike); ++i)
-    alike += (i == 0 ? " The pictures look the same " : " and ") + found.alike[i];
+    alike += (i == 0 ? " The pictures are explained equally well " : " and ") + found.alike[i];
   std::string words = change.words;
   words[0] = 'W';
   return messages::Text(found.rms > 0.0 ? "poses-doubtful" : "poses-doubtful/unseen",

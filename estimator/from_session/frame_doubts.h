@@ -32,6 +32,7 @@ class SmallCopies {
   const std::vector<double>& angles_deg() const { return angles_deg_; }
 
  private:
+  std::vector<std::size_t> frames_;
   consistency::SmallViews views_;
   std::vector<double> angles_deg_;
   std::size_t taken_ = 0;

@@ -309,7 +309,8 @@ Result<EstimateOutput> EstimateChecked(Loaded& loaded, const Options& options, S
 // Where there is no estimate, what the pictures say may be why.
 Error WithNotes(Error error, const std::vector<rig::PictureNote>& notes) {
   if (error.kind != ErrorKind::kNoEstimate) return error;
-  for (const rig::PictureNote& note : notes) error.text += ". Besides: " + note.text;
+  for (const rig::PictureNote& note : notes)
+    error.text += (error.text.ends_with('.') ? " Besides: " : ". Besides: ") + note.text;
   return error;
 }
 

@@ -75,14 +75,14 @@ std::string Shortly(double value) {
   return value < 10.0 ? NumberText(value, 2) : NumberText(std::round(value));
 }
 
-// "halve the exposure", "raise the exposure 20 times".
+// "halve the exposure", "multiply the exposure by 20".
 std::string ExposureWords(double factor) {
   const double times = factor < 1.0 ? 1.0 / factor : factor;
   const bool twice = times > 1.75 && times < 2.3;
   if (factor < 1.0)
     return twice ? "halve the exposure" : "divide the exposure by " + Shortly(times);
   return twice ? "double the exposure"
-               : "raise the exposure " + Shortly(times) + " times" +
+               : "multiply the exposure by " + Shortly(times) +
                      (factor >= kMostIncrease ? " or more" : "");
 }
 
@@ -168,9 +168,10 @@ FrameCheck CheckFrame(const cv::Mat& image, const calib::Radiometry& radiometry,
   const FrameStatistics& found = check.statistics;
   if (found.bright_level < gate.min_bright_level)
     return refuse(FrameVerdict::kAllBlack,
-                  "all black: 99 % of the pixels are below " + Percent(found.bright_level) +
-                      " of white, allowed is at least " + Percent(gate.min_bright_level) +
-                      "; is the light on, the lens cap off? If so " +
+                  "all black: the brightest 1 % of the pixels begin at " +
+                      Percent(found.bright_level) + " of white, allowed is at least " +
+                      Percent(gate.min_bright_level) +
+                      "; check the lamp and the lens cap; if they are well, " +
                       ExposureWords(std::max(found.exposure_factor, kWorthIncreasing)));
   if (found.saturated_share > gate.max_saturated_share)
     return refuse(FrameVerdict::kSaturated, "saturated: " + Percent(found.saturated_share) +

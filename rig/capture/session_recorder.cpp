@@ -56,7 +56,10 @@ Status CheckSameCapture(const fs::path& file, const JournalHeader& was, const Jo
       return InputError(file.string() + ": this capture was begun with the " + name + " \"" +
                         values.first + "\", now it is \"" + values.second +
                         "\"; allowed is to resume with the same");
-  return InputError(file.string() + ": this capture was begun with another plan");
+  return InputError(
+      file.string() +
+      ": this capture was begun with another plan (section capture); allowed is to resume with "
+      "the same");
 }
 
 Status CheckKeyframe(const RecordedKeyframe& keyframe, const CaptureSetup& setup,

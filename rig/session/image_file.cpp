@@ -28,11 +28,13 @@ Result<Format> FormatOf(const fs::path& file) {
   if (extension == ".png") return Format::kPng;
   if (extension == ".tif" || extension == ".tiff") return Format::kTiff;
   if (extension == ".exr") return Format::kExr;
-  return InputError(file.string() + ": the extension is \"" + extension +
-                    "\", allowed are .png, .tif, .tiff and .exr" +
-                    (extension == ".jpg" || extension == ".jpeg"
-                         ? "; JPEG changes values, which cannot be undone by saving it anew"
-                         : ""));
+  return InputError(
+      file.string() + ": the extension is \"" + extension +
+      "\", allowed are .png, .tif, .tiff and .exr" +
+      (extension == ".jpg" || extension == ".jpeg"
+           ? "; JPEG has changed the values, and converting it does not bring them back: "
+             "have the camera write PNG or TIFF"
+           : ""));
 }
 
 Result<Picture> Decode(const std::string& bytes, const fs::path& file, cv::Size expected,
@@ -79,7 +81,8 @@ Status CheckImageHeader(const ImageHeader& header, const std::string& file, cv::
   const std::string size = ShowSize(header.width, header.height);
   if (!expected.empty() && (header.width != expected.width || header.height != expected.height))
     return InputError(file + ": the picture is " + size + " pixels, allowed is " +
-                      ShowSize(expected.width, expected.height) + ", the camera's image size");
+                      ShowSize(expected.width, expected.height) +
+                      ", the size of the camera model's pictures");
   if (header.width < 1 || header.height < 1 || header.width > kMaxPixels / header.height)
     return InputError(file + ": the picture is " + size + " pixels, allowed are 1 to " +
                       std::to_string(kMaxPixels) + " pixels in all");

@@ -114,11 +114,12 @@ void RemarkPrecision(const TriangleMesh& mesh, const std::string& file,
   const double step = std::numeric_limits<float>::epsilon() * far;
   if (step <= kVisibleStep * (high - low).maxCoeff()) return;
   remarks.push_back(
-      file + turnlight::Format(
-                 ": the coordinates are single-precision numbers as large as %.7g: they are "
-                 "rounded by up to %.2g, in a mesh of %.3g; write them as doubles, or move the "
-                 "mesh to the origin",
-                 far, 0.5 * step, (high - low).maxCoeff()));
+      file +
+      turnlight::Format(
+          ": the coordinates are single-precision numbers as large as %.7g: they are "
+          "rounded by up to %.2g, in a mesh of the size %.3g; export it again with doubles, or "
+          "moved to the origin",
+          far, 0.5 * step, (high - low).maxCoeff()));
 }
 
 Result<PolygonMesh> Import(const std::string& bytes, const std::filesystem::path& file) {

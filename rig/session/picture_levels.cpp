@@ -118,8 +118,9 @@ void FindPlateau(const std::vector<PictureLevels>& frames, std::size_t channel, 
 std::string Whole(double value) { return NumberText(value, 9); }
 
 std::string SaturationWords(const calib::Radiometry& radiometry) {
-  return radiometry.saturation ? "radiometry/saturation is " + Whole(*radiometry.saturation)
-                               : "radiometry/saturation is white, " + Whole(radiometry.white);
+  return radiometry.saturation
+             ? "radiometry/saturation is " + Whole(*radiometry.saturation)
+             : "radiometry/saturation is not given and taken as white, " + Whole(radiometry.white);
 }
 
 // 2^n - 1 that holds the value.

@@ -38,12 +38,13 @@ void AddContradictions(const calib::Radiometry& radiometry, const std::vector<Pi
   }
   if (!first) return;
   const TransferClaim& claim = *first->claims.transfer;
-  notes.push_back({"encoding-contradicted",
-                   Which(first->file, count, frames.size()) + ": " + claim.said_by +
-                       " says that the values are " + ClaimWords(claim) +
-                       ", radiometry/encoding in session.json says " + SessionEncoding(radiometry) +
-                       ". If the file is right, set \"encoding\": " + EncodingOf(claim) +
-                       "; if the session is right, have the pictures written without it"});
+  notes.push_back(
+      {"encoding-contradicted",
+       Which(first->file, count, frames.size()) + ": " + claim.said_by +
+           " says that the values are " + ClaimWords(claim) +
+           ", radiometry/encoding in session.json says " + SessionEncoding(radiometry) +
+           ". If the file is right, set \"encoding\": " + EncodingOf(claim) +
+           "; if the session is right, have the pictures written without that statement"});
 }
 
 void AddRemarks(const std::vector<PictureFacts>& frames, std::vector<PictureNote>& notes) {

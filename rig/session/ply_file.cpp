@@ -149,9 +149,10 @@ Status CheckElements(const PlyHeader& header, const std::string& file) {
   }
   for (char& c : names) c = c >= ' ' && c <= '~' ? c : '?';
   if (vertices != 1 || faces == 0)
-    return InputError(file + ": the PLY has no faces to read: its elements are " +
+    return InputError(file + ": the PLY is no mesh: its elements are " +
                       (names.empty() ? "none" : names) +
-                      ", allowed are one vertex, and face or tristrips");
+                      ", allowed are one vertex, and face or tristrips" +
+                      (faces == 0 ? "; of a cloud of points make a mesh first" : ""));
   return {};
 }
 

@@ -137,7 +137,7 @@ TEST_F(DeviceCommands, SnapWritesAPictureAndItsLevels) {
   EXPECT_EQ(read->type(), CV_16UC3);
   const Outcome dark = RunProgram({"snap", picture, "--config", rig_, "--exposure", "40"});
   EXPECT_EQ(dark.exit_code, 0) << dark.err;
-  EXPECT_THAT(dark.out, AllOf(HasSubstr("raise the exposure"), HasSubstr("all black")));
+  EXPECT_THAT(dark.out, AllOf(HasSubstr("multiply the exposure"), HasSubstr("all black")));
 }
 
 // A mosaic stays one; what the camera measures is told; a calibration that is not there is no

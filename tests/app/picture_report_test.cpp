@@ -44,7 +44,7 @@ TEST(PictureReport, LevelsAndAdvice) {
               AllOf(HasSubstr("black 100, white 4095"), HasSubstr("grey"), HasSubstr("260")));
   EXPECT_THAT(
       AdviceText(dark, TwelveBits(), 800.0),
-      AllOf(HasSubstr("mean level 4 % of white: raise the exposure 20 times; in the config: "
+      AllOf(HasSubstr("mean level 4 % of white: multiply the exposure by 20; in the config: "
                       "capture: {exposures_us: [16000]}"),
             HasSubstr("a capture would keep this picture")));
   const cv::Mat white(60, 80, CV_16U, cv::Scalar(4095));

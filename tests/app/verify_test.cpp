@@ -133,7 +133,7 @@ TEST(Verify, AgainstAModelNamesAFrameThatDoesNotBelong) {
   WriteText(folder / "s/session.json", session);
   const Outcome odd = RunProgram({"verify", folder / "s", "--model"});
   EXPECT_EQ(odd.exit_code, 3) << odd.out << odd.err;
-  EXPECT_THAT(odd.out, HasSubstr("frames/005.png  <- is the picture of frame 2 once more"));
+  EXPECT_THAT(odd.out, HasSubstr("frames/005.png  <- has the same picture as frame 2"));
   EXPECT_THAT(odd.out, HasSubstr("problem: 1 frame does not belong to the others"));
 }
 

@@ -205,7 +205,7 @@ SmallViews SmallViewsOf(const Capture& capture, const target::Geometry& geometry
   const int block = BlockFor(capture.session.camera, geometry, poses);
   SmallViews out{capture.session.camera.InBlocks(block), block, {}};
   for (const model::Keyframe& keyframe : keyframes)
-    out.views.push_back(MakeSmallView(keyframe, block));
+    out.views.push_back(MakeSmallView(keyframe, block, out.views.size()));
   return out;
 }
 

@@ -45,7 +45,8 @@ TEST_P(OddFrame, IsNamedOnALump) {
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, OddFrame,
-    testing::Values(OddKind{"black", "is black"}, OddKind{"dimmed", "only dimmer: 0.6 times"},
+    testing::Values(OddKind{"black", "is black"},
+                    OddKind{"dimmed", "dimmer than the others tell, 0.6 times"},
                     OddKind{"turned", "upside down"}, OddKind{"mirrored", "mirrored left to right"},
                     OddKind{"byte-swapped", "noise"}, OddKind{"stale", "picture of frame 4"},
                     OddKind{"half", "empty in rows"}, OddKind{"moved", "shifted by about (7, -4)"}),

@@ -28,7 +28,7 @@ cv::Mat1f Spots(double angle) {
 SmallViews Shown(const std::vector<int>& order, int count) {
   SmallViews views{calib::CameraModel::Pinhole(40, 40, 40, 40, 20, 20), 1, {}};
   for (const int k : order)
-    views.views.push_back({Spots(2.0 * std::numbers::pi * k / count), {}, {}, {}});
+    views.views.push_back({Spots(2.0 * std::numbers::pi * k / count), {}, {}, {}, 0});
   return views;
 }
 

@@ -23,7 +23,7 @@ model::Keyframe Ramp() {
 }
 
 TEST(SmallViews, AreTheMeansOfBlocksAndOfColours) {
-  const SmallView small = MakeSmallView(Ramp(), 2);
+  const SmallView small = MakeSmallView(Ramp(), 2, 0);
   ASSERT_EQ(small.radiance.size(), cv::Size(3, 2));
   EXPECT_FLOAT_EQ(small.radiance(0, 0), (0.5f + 0.5f + 3.0f) / 3.0f);
   EXPECT_FLOAT_EQ(small.radiance(1, 2), (2.5f + 4.5f + 3.0f) / 3.0f);
@@ -35,7 +35,7 @@ TEST(SmallViews, MarkABlockByAnyOfItsPixels) {
   keyframe.mask(3, 5) = 0;
   cv::Mat3f image = keyframe.image.radiance;
   image(2, 0)[1] = std::numeric_limits<float>::quiet_NaN();
-  const SmallView small = MakeSmallView(keyframe, 2);
+  const SmallView small = MakeSmallView(keyframe, 2, 0);
   EXPECT_EQ(small.clipped(0, 0), 255);
   EXPECT_EQ(small.clipped(0, 1), 0);
   EXPECT_EQ(small.clipped(1, 0), 255);

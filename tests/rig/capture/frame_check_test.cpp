@@ -114,12 +114,12 @@ TEST(FrameCheck, AdviceOfADarkPictureIsExact) {
     EXPECT_NEAR(followed[1], 0.8, 0.04) << exposure;
   }
   EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(ramp, 0.04), Sensor())),
-            "mean level 2 % of white: raise the exposure 20 times");
+            "mean level 2 % of white: multiply the exposure by 20");
   EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(ramp, 0.4), Sensor())),
             "mean level 20 % of white: double the exposure");
   EXPECT_EQ(ExposureAdvice(MeasureFrame(Exposed(ramp, 0.9), Sensor())), "");
   EXPECT_EQ(ExposureAdvice(MeasureFrame(Flat(0.0), Sensor())),
-            "mean level 0 % of white: raise the exposure 100 times or more");
+            "mean level 0 % of white: multiply the exposure by 100 or more");
 }
 
 TEST(FrameCheck, AdviceOfAClippedPictureGetsThere) {
