@@ -118,7 +118,9 @@ void AddVerify(CLI::App& program, Action& action) {
   command->callback([arguments, &action] {
     action = [arguments] {
       const int files = Verify(arguments->folder);
-      return arguments->model && files == kDone ? VerifyAgainstModel(arguments->folder) : files;
+      if (!arguments->model || files == kRefused) return files;
+      const int model = VerifyAgainstModel(arguments->folder);
+      return files == kDone ? model : files;
     };
   });
 }

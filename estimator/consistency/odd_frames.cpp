@@ -173,8 +173,9 @@ class Judging {
   FramesJudged Run(const std::vector<double>& on_mask) const {
     FramesJudged out;
     const Fit of_all = FitQuickly(all_, choice_, stop_);
-    out.rms_of_all = of_all.rms;
+    out.rms_of_all = out.rms_of_rest = of_all.rms;
     const double noise = observe::EstimateNoise(all_);
+    out.noise = noise;
     out.scene = BestStart(of_all.scene, noise);
     std::vector<bool> odd;
     std::vector<FrameResidual> residuals;
@@ -187,12 +188,15 @@ class Judging {
       odd = verdict.odd;
       if (settled || static_cast<double>(CountOf(odd)) > kMostOdd * static_cast<double>(odd.size()))
         break;
-      out.scene =
-          CountOf(odd) == 0 ? of_all.scene : FitAnew(Only(all_, Not(odd)), choice_, stop_).scene;
+      const Fit of_rest =
+          CountOf(odd) == 0 ? of_all : FitAnew(Only(all_, Not(odd)), choice_, stop_);
+      out.scene = of_rest.scene;
+      out.rms_of_rest = of_rest.rms;
     }
     out.odd = CountOf(odd);
     if (static_cast<double>(out.odd) > kMostOdd * static_cast<double>(odd.size())) {
       out.odd = 0;
+      out.rms_of_rest = out.rms_of_all;
       odd.assign(odd.size(), false);
     }
     for (std::size_t k = 0; k < residuals.size(); ++k)

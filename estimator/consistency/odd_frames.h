@@ -22,10 +22,12 @@ struct FrameJudgement {
 
 struct FramesJudged {
   std::vector<FrameJudgement> frames;
-  double usual = 0.0;       // what is left of a usual frame, radiance
-  double level = 0.0;       // radiance of the model in a usual frame, rms
-  model::Scene scene;       // of the frames that are not odd, in the observations' coordinates
-  double rms_of_all = 0.0;  // what a fit of all frames leaves
+  double usual = 0.0;        // what is left of a usual frame, radiance
+  double level = 0.0;        // radiance of the model in a usual frame, rms
+  model::Scene scene;        // of the frames that are not odd, in the observations' coordinates
+  double rms_of_all = 0.0;   // what a fit of all frames leaves
+  double rms_of_rest = 0.0;  // of those that are not odd; of all, if none is
+  double noise = 0.0;        // sigma of a small pixel, radiance
   std::size_t odd = 0;
 };
 

@@ -10,13 +10,14 @@
 namespace turnlight::estimator::consistency {
 namespace {
 
-constexpr std::size_t kMostFitted = 3;   // changes
-constexpr double kPromising = 0.97;      // of what is left without a change
-constexpr double kExplains = 0.5;        // of the rms without a change
-constexpr double kSettles = 0.25;        // likewise, so that no other need be tried
-constexpr double kWellExplained = 0.03;  // of the brightest radiance
-constexpr double kSeesEnough = 0.5;      // of the pixels that were seen without a change
-constexpr double kAlike = 1e-3;          // difference of what two changes leave
+constexpr std::size_t kMostFitted = 3;            // changes
+constexpr double kPromising = 0.97;               // of what is left without a change
+constexpr double kExplains = 0.5;                 // of the rms without a change
+constexpr double kSettles = 0.25;                 // likewise, so that no other need be tried
+constexpr double kWellExplained = 0.03;           // of the brightest radiance
+constexpr double kFits = 0.01, kFitsNoise = 2.0;  // of the level, and of the noise: what fits
+constexpr double kSeesEnough = 0.5;               // of the pixels that were seen without a change
+constexpr double kAlike = 1e-3;                   // difference of what two changes leave
 constexpr std::size_t kFewestPixels = 300;
 
 struct Fitted {
@@ -134,8 +135,12 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
     given = {out.rms, observe::BrightestRadiance(all), all.used};
   }
   if (StopRequested(stop)) return out;
-  // One frame among many that fit is that frame's matter.
-  if (out.frames.odd == 1 && !all_changes) return out;
+  if (out.frames.odd > 0) {
+    given.rms = out.frames.rms_of_rest;
+    // Odd frames among others that fit are those frames' matter.
+    const double fits = std::max(kFitsNoise * out.frames.noise, kFits * out.frames.level);
+    if (given.rms <= fits && !all_changes) return out;
+  }
   Search(views, geometry, rays, choice, stop).Run(angles_deg, given, out);
   return out;
 }

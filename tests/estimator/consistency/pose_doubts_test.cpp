@@ -19,7 +19,7 @@ Consistency Checked(const Capture& capture, bool all_changes) {
 class PoseMistake : public testing::TestWithParam<const char*> {};
 
 TEST_P(PoseMistake, IsTold) {
-  Capture capture = Captured(SmallCapture(4, Shape::kLump, 18));
+  Capture capture = Captured(SmallCapture(4, Shape::kLump, 12));
   MisplacePoses(capture, GetParam(), 4);
   const Consistency found = Checked(capture, false);
   ASSERT_TRUE(found.change);
