@@ -28,8 +28,8 @@ bool Same(const Pose& a, const Pose& b, double scale) {
 double Wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 Pose AboutLine(const Vector3d& axis, const Vector3d& point, double angle) {
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-  return {R, point - R * point};
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+  return {turn, point - turn * point};
 }
 
 // The first pose to each: rotations about one axis, if it is a turning.
@@ -50,16 +50,16 @@ Vector3d CommonAxis(const std::vector<Pose>& relative) {
 }
 
 Vector3d PointOnAxis(const std::vector<Pose>& relative) {
-  Eigen::MatrixXd A(3 * static_cast<Eigen::Index>(relative.size()), 3);
-  Eigen::VectorXd b(A.rows());
+  Eigen::MatrixXd matrix(3 * static_cast<Eigen::Index>(relative.size()), 3);
+  Eigen::VectorXd b(matrix.rows());
   for (std::size_t k = 0; k < relative.size(); ++k) {
-    A.middleRows<3>(3 * static_cast<Eigen::Index>(k)) =
+    matrix.middleRows<3>(3 * static_cast<Eigen::Index>(k)) =
         Eigen::Matrix3d::Identity() - relative[k].rotation;
     b.segment<3>(3 * static_cast<Eigen::Index>(k)) = relative[k].translation;
   }
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
   solver.setThreshold(1e-6);
-  solver.compute(A);
+  solver.compute(matrix);
   return solver.solve(b);
 }
 
