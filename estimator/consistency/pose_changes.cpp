@@ -308,6 +308,24 @@ void TryPlace(Trial& trial) {
       "check where the target stands on the table.", moved(at));
 }
 
+// Those that leave the same stay in the order in which they were tried.
+void SortByLeft(std::vector<PoseChange>& changes) {
+  std::vector<std::size_t> order(changes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return changes[a].left < changes[b].left; });
+  for (auto first = order.begin(); first != order.end();) {
+    const double limit = (1.0 + kAlike) * changes[*first].left;
+    const auto end =
+        std::find_if(first, order.end(), [&](std::size_t i) { return changes[i].left > limit; });
+    std::sort(first, end);
+    first = end;
+  }
+  std::vector<PoseChange> sorted;
+  for (const std::size_t i : order) sorted.push_back(std::move(changes[i]));
+  changes = std::move(sorted);
+}
+
 }  // namespace
 
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
@@ -326,8 +344,7 @@ std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geome
   TryConventions(trial);
   TryUnits(trial);
   TryPlace(trial);
-  std::stable_sort(trial.found.begin(), trial.found.end(),
-                   [](const PoseChange& a, const PoseChange& b) { return a.left < b.left; });
+  SortByLeft(trial.found);
   return std::move(trial.found);
 }
 

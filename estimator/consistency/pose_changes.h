@@ -12,6 +12,9 @@
 
 namespace turnlight::estimator::consistency {
 
+// Changes that leave the same but for this share cannot be told apart.
+inline constexpr double kAlike = 1e-3;
+
 struct PoseChange {
   std::string code;                    // stable, such as "angles-reversed"
   std::string words;                   // "with the angles reversed"
@@ -22,7 +25,9 @@ struct PoseChange {
 };
 
 // Those of `changes` one after another: each is tried by the explainer, and of each kind what
-// explains the pictures best comes back, best first. angles as FindTurning takes them.
+// explains the pictures best comes back, best first; of those that
+// explain them alike (within kAlike of what is left) the one that is tried first. angles as
+// FindTurning takes them.
 //
 // Tried: angles reversed, times a factor from 1/3 to 3, with an offset; the pictures in another
 // order: reversed, shifted, sorted as text, shuffled; camera or target poses inverted or with their

@@ -17,7 +17,6 @@ constexpr double kSettles = 0.25;                 // likewise, so that no other 
 constexpr double kWellExplained = 0.03;           // of the brightest radiance
 constexpr double kFits = 0.01, kFitsNoise = 2.0;  // of the level, and of the noise: what fits
 constexpr double kSeesEnough = 0.5;               // of the pixels that were seen without a change
-constexpr double kAlike = 1e-3;                   // difference of what two changes leave
 constexpr std::size_t kFewestPixels = 300;
 
 struct Fitted {
