@@ -30,6 +30,18 @@ double QuantileLeft(const std::vector<float>& picture, const std::vector<float>&
   return static_cast<double>(LowerQuantile(left, kShare));
 }
 
+Fit SolveFrom(const observe::Observations& solve_on, const model::Scene& from,
+              const StopFlag* stop) {
+  solve::SolveOptions options;
+  options.max_iterations = 30;
+  options.function_tolerance = 1e-5;
+  options.stop = stop;
+  solve::Solution solution = solve::SolveSettled(solve_on, from, options, 2);
+  const double values = solve::ValueCount(solve_on, solution.evaluate);
+  return {std::move(solution.scene),
+          std::sqrt(2.0 * solution.equations.cost / std::max(values, 1.0))};
+}
+
 // Starts on some pixels of all, solves on others.
 Fit FitBoth(const observe::Observations& all, const observe::Observations& start_on,
             const observe::Observations& solve_on, const model::ModelChoice& choice,
@@ -37,14 +49,7 @@ Fit FitBoth(const observe::Observations& all, const observe::Observations& start
   const double noise = observe::EstimateNoise(all);
   const observe::IntensityMap map = observe::MakeIntensityMap(all);
   const start::Start found = start::FindStart(start_on, noise, map, std::nullopt, choice, stop);
-  solve::SolveOptions options;
-  options.max_iterations = 30;
-  options.function_tolerance = 1e-5;
-  options.stop = stop;
-  solve::Solution solution = solve::SolveSettled(solve_on, found.scene, options, 2);
-  const double values = solve::ValueCount(solve_on, solution.evaluate);
-  return {std::move(solution.scene),
-          std::sqrt(2.0 * solution.equations.cost / std::max(values, 1.0))};
+  return SolveFrom(solve_on, found.scene, stop);
 }
 
 }  // namespace
@@ -118,6 +123,10 @@ Fit FitQuickly(const observe::Observations& all, model::ModelChoice choice, cons
   const observe::Observations few = observe::EvenSubsample(all, kFew, kSeed, nullptr);
   const observe::Observations sample = observe::EvenSubsample(all, kSample, kSeed + 1, nullptr);
   return FitBoth(all, few, sample, choice, stop);
+}
+
+Fit FitFrom(const observe::Observations& all, const model::Scene& from, const StopFlag* stop) {
+  return SolveFrom(observe::EvenSubsample(all, kSample, kSeed + 1, nullptr), from, stop);
 }
 
 model::Scene FitOn(const observe::Observations& all, const model::Scene& from,

@@ -46,7 +46,9 @@ Fit FitAnew(const observe::Observations& all, const model::ModelChoice& choice,
 // The same on fewer pixels, with Lambert and Phong where nothing else is asked for: for poses that
 // may be wrong, where the search for a better surface would try everything in vain.
 Fit FitQuickly(const observe::Observations& all, model::ModelChoice choice, const StopFlag* stop);
-// The same from where a scene stands, on a sample, with little weight on what fits badly.
+// From where a scene stands, to its end.
+Fit FitFrom(const observe::Observations& all, const model::Scene& from, const StopFlag* stop);
+// From where a scene stands, on a sample, with little weight on what fits badly.
 model::Scene FitOn(const observe::Observations& all, const model::Scene& from,
                    const StopFlag* stop);
 

@@ -6,12 +6,13 @@
 #include "estimator/consistency/explanation.h"
 #include "estimator/consistency/pose_changes.h"
 #include "estimator/observe/radiance_statistics.h"
+#include "estimator/solve/coordinates.h"
 
 namespace turnlight::estimator::consistency {
 namespace {
 
 constexpr std::size_t kMostFitted = 3;            // changes
-constexpr double kPromising = 0.97;               // of what is left without a change
+constexpr double kPromising = 0.9;                // of what is left without a change
 constexpr double kExplains = 0.5;                 // of the rms without a change
 constexpr double kSettles = 0.25;                 // likewise, so that no other need be tried
 constexpr double kWellExplained = 0.03;           // of the brightest radiance
@@ -22,6 +23,7 @@ constexpr std::size_t kFewestPixels = 300;
 struct Fitted {
   double rms = 0.0, brightest = 0.0;
   std::size_t pixels = 0;
+  model::Scene scene;  // in W
 };
 
 std::vector<model::Keyframe> KeyframesOf(const SmallViews& views,
@@ -39,7 +41,8 @@ Fitted FitChanged(const SmallViews& views, const PoseChange& change,
   const observe::Observations all =
       observe::BuildObservations(KeyframesOf(views, change.poses, change.picture), geometry, rays);
   if (all.used < kFewestPixels) return {};
-  return {FitQuickly(all, choice, stop).rms, observe::BrightestRadiance(all), all.used};
+  const Fit fit = FitQuickly(all, choice, stop);
+  return {fit.rms, observe::BrightestRadiance(all), all.used, solve::ToWorld(fit.scene, all)};
 }
 
 std::vector<calib::RigPoses> GivenPoses(const SmallViews& views) {
@@ -56,9 +59,16 @@ std::vector<std::size_t> InOrder(std::size_t count) {
 
 class Search {
  public:
-  Search(const SmallViews& views, const target::Geometry& geometry, const calib::RayGrid& rays,
+  // as_they_are: the observations with the poses as they are.
+  Search(const SmallViews& views, const observe::Observations& as_they_are,
+         const target::Geometry& geometry, const calib::RayGrid& rays,
          const model::ModelChoice& choice, const StopFlag* stop)
-      : views_(views), geometry_(geometry), rays_(rays), choice_(choice), stop_(stop) {}
+      : views_(views),
+        as_they_are_(as_they_are),
+        geometry_(geometry),
+        rays_(rays),
+        choice_(choice),
+        stop_(stop) {}
 
   // Fits the most promising, one of each kind, and says which explains the pictures.
   void Run(const std::vector<double>& angles_deg, const Fitted& given, Consistency& out) const {
@@ -81,7 +91,8 @@ class Search {
       const Fitted with = FitChanged(views_, change, geometry_, rays_, choice_, stop_);
       if (with.pixels > 0) tried.rms = with.rms;
       fitted.push_back(tried);
-      if (with.pixels > 0 && Explains(with, given) && (!out.change || with.rms < *out.change->rms))
+      if (with.pixels > 0 && Explains(with, given) && !ExplainsAsTheyAre(with) &&
+          (!out.change || with.rms < *out.change->rms))
         out.change = tried;
     }
     if (!out.change) return;
@@ -91,6 +102,13 @@ class Search {
   }
 
  private:
+  // Whether what was found with a change explains the pictures with the poses as they are, too:
+  // then only the first fit had not found it.
+  bool ExplainsAsTheyAre(const Fitted& with) const {
+    if (as_they_are_.used < kFewestPixels) return false;
+    const Fit fit = FitFrom(as_they_are_, solve::ToSolver(with.scene, as_they_are_), stop_);
+    return fit.rms * kExplains < with.rms;
+  }
   // Whether two changes leave the same, so that the pictures cannot tell which it was.
   static bool Alike(double a, double b) { return std::abs(a - b) <= kAlike * std::max(a, b); }
   // Whether what was found leaves so little that no other change need be fitted.
@@ -106,6 +124,7 @@ class Search {
   }
 
   const SmallViews& views_;
+  const observe::Observations& as_they_are_;
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
   const model::ModelChoice& choice_;
@@ -131,7 +150,7 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
     } else {
       out.rms = FitQuickly(all, choice, stop).rms;
     }
-    given = {out.rms, observe::BrightestRadiance(all), all.used};
+    given = {out.rms, observe::BrightestRadiance(all), all.used, {}};
   }
   if (StopRequested(stop)) return out;
   if (out.frames.odd > 0) {
@@ -140,7 +159,7 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
     const double fits = std::max(kFitsNoise * out.frames.noise, kFits * out.frames.level);
     if (given.rms <= fits && !all_changes) return out;
   }
-  Search(views, geometry, rays, choice, stop).Run(angles_deg, given, out);
+  Search(views, all, geometry, rays, choice, stop).Run(angles_deg, given, out);
   return out;
 }
 
