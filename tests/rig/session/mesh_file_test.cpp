@@ -285,7 +285,7 @@ TEST(MeshFile, HostileHeadersAreRefused) {
   EXPECT_THAT(error("element vertex 1\n" + xyz + "element face 1\n"),
               HasSubstr("face has no list vertex_indices"));
   EXPECT_THAT(error("element vertex 1\n" + xyz + "element edge 1\n" + list),
-              AllOf(HasSubstr("no faces"), HasSubstr("vertex, edge"), HasSubstr("tristrips")));
+              AllOf(HasSubstr("no mesh"), HasSubstr("vertex, edge"), HasSubstr("tristrips")));
   EXPECT_THAT(
       error("element vertex 1\n" + xyz + "element vertex 1\n" + xyz + "element face 0\n" + list),
       HasSubstr("one vertex"));
