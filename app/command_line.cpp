@@ -154,9 +154,14 @@ int RunSafely(int argc, char** argv) {
 
 int RunCommandLine(int argc, char** argv) {
   StandardOutput output;
-  InstallInterruptHandler();
-  const OutputWatch watch({STDERR_FILENO}, LoseOutput);
-  return output.End(RunSafely(argc, argv));
+  int exit_code = kDone;
+  {
+    const PrintableOutput printable;
+    InstallInterruptHandler();
+    const OutputWatch watch({STDERR_FILENO}, LoseOutput);
+    exit_code = RunSafely(argc, argv);
+  }
+  return output.End(exit_code);
 }
 
 }  // namespace turnlight::app

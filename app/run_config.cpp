@@ -7,6 +7,7 @@
 
 #include "app/rig_config.h"
 #include "base/file.h"
+#include "base/nearest.h"
 #include "base/sha256.h"
 
 namespace turnlight::app {
@@ -89,6 +90,14 @@ Status ReadWorld(const std::optional<StrictObject>& simulation, RunConfig& confi
   return {};
 }
 
+// A rig alone, without a misspelt graph either.
+bool LacksAGraph(const nlohmann::json& root) {
+  if (!root.is_object() || !root.contains("rig") || root.contains("graph")) return false;
+  return std::none_of(root.items().begin(), root.items().end(), [](const auto& entry) {
+    return !Nearest(entry.key(), std::vector<std::string>{"graph"}).empty();
+  });
+}
+
 }  // namespace
 
 rig::sim::KeyframeAngles AnglesOf(const rig::CapturePlan& plan) {
@@ -106,8 +115,7 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
     return InputError(file +
                       ": a config for turnlight synthesize, allowed is one for turnlight run, " +
                       "with rig and graph");
-  if (document->root.is_object() && document->root.contains("rig") &&
-      !document->root.contains("graph"))
+  if (LacksAGraph(document->root))
     return InputError(file +
                       ": graph: this key is missing; home, jog, snap and doctor do without it, a "
                       "run needs it: the section graph of configs/simulated_turntable.yaml will do "

@@ -152,7 +152,7 @@ TEST(Config, TheExamplesOfRealRigsAreGoodBesideACalibration) {
     EXPECT_EQ(without.exit_code, 2);
     EXPECT_THAT(without.err, HasSubstr("rig/calibration: "));
     EXPECT_THAT(without.err, HasSubstr("turnlight simulate SIM.yaml --calibration FILE"));
-    EXPECT_THAT(without.err, HasSubstr("docs/hardware.md"));
+    EXPECT_THAT(without.err, HasSubstr("docs/calibrating.md"));
     WriteText(folder / "sim.yaml", std::string("camera: {size: ") + rig.size +
                                        ", focal_px: 3000}\nmotion: {kind: table}\ndevices:\n  "
                                        "table: {firmware: grbl, link: unused}\n  camera: "
