@@ -16,7 +16,7 @@ namespace {
 
 // Bytes. Measured with colour pictures of 0.1 to 24 megapixels, spheres and meshes; each with some
 // room, for 16 bits among other things.
-constexpr double kProgram = 90e6;
+constexpr double kProgram = 100e6;
 constexpr double kOfRays = 24.0;        // each pixel of the camera
 constexpr double kOfPicture = 26.0;     // each pixel of a picture that is read, traced and checked
 constexpr double kOfNoise = 12.0;       // and its noise
@@ -28,7 +28,8 @@ constexpr double kOfSolver = 56.0;      // each, while the solver and the error 
 constexpr double kOfPrediction = 16.0;  // each, while residual maps are made
 constexpr double kOfSignature = 12.0;   // each pixel of a view's signature
 constexpr double kMostOfSignature = 1e5;
-constexpr double kOfResidual = 4.0;  // each pixel of a residual map
+constexpr double kOfSmallView = 20e6 / 36.0;  // each keyframe's, and what it is checked with
+constexpr double kOfResidual = 4.0;           // each pixel of a residual map
 constexpr double kResidualMaps = 6.0;
 constexpr double kOfFace = 400.0;  // of a mesh
 
@@ -78,7 +79,8 @@ double MemoryNeed(const MemoryInputs& in) {
       kOfPixel + (in.casts_shadows ? kOfShadows : 0.0) + (in.noise_known ? kOfWeight : 0.0);
   const double signature = kOfSignature * std::min(picture / 9.0, kMostOfSignature);
   const double always = kProgram + kOfRays * picture +
-                        kOfFace * static_cast<double>(in.mesh_faces) + signature * keyframes;
+                        kOfFace * static_cast<double>(in.mesh_faces) +
+                        (signature + kOfSmallView) * keyframes;
   const double observing =
       in_flight * (picture * (kOfPicture + (in.noise_known ? kOfNoise : 0.0)) + traced) +
       pixel * Held(in);

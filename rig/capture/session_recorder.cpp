@@ -121,6 +121,15 @@ std::string PrintJournal(const JournalHeader& header,
   return text;
 }
 
+// What can be done after a fault of the disk. Before there is a journal nothing was begun that
+// could be gone on with.
+std::string WhenTheDiskIsWell(const fs::path& root) {
+  std::error_code code;
+  return fs::exists(root / kJournalFile, code)
+             ? "when the disk is well again, `turnlight resume` completes the capture"
+             : "nothing was begun: make room, or name a folder on another disk, and start again";
+}
+
 }  // namespace
 
 SessionRecorder::SessionRecorder(fs::path root, CaptureSetup setup, FileOps& ops)
@@ -263,7 +272,8 @@ Status SessionRecorder::Add(const RecordedKeyframe& keyframe) {
   entry.frame.sha256 = Sha256Hex(*image);
   if (entry.frame.validity) entry.validity_sha256 = Sha256Hex(*validity);
   const Status space = CheckSpace(image->size() + validity->size() + kSpareBytes, label);
-  if (!space) return space;  // nothing was written: it may be tried again
+  // Nothing was written: it may be tried again.
+  if (!space) return SystemError(space.error().text + "; " + WhenTheDiskIsWell(root_));
 
   Status status;
   if (entry.frame.validity)
@@ -317,18 +327,6 @@ Status SessionRecorder::WriteSessionFiles() {
 }
 
 // Adds to an error of the system what helps to go on, and holds it against every further call.
-namespace {
-
-// What can be done then. Before there is a journal nothing was begun that could be gone on with.
-std::string WhenTheDiskIsWell(const fs::path& root) {
-  std::error_code code;
-  return fs::exists(root / kJournalFile, code)
-             ? "when the disk is well again, `turnlight resume` completes the capture"
-             : "nothing was begun: make room, or name a folder on another disk, and start again";
-}
-
-}  // namespace
-
 Status SessionRecorder::Break(const Status& status) {
   Error error = status.error();
   if (error.kind == ErrorKind::kSystem) {

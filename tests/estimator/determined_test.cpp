@@ -116,7 +116,8 @@ TEST(Determined, TheNoteNamesThemForAPerson) {
   ASSERT_TRUE(LeaveOutUnknown(Pixels(), estimate));
   ASSERT_EQ(estimate.notes.size(), 1u);
   EXPECT_EQ(estimate.notes[0].code, "not-determined");
-  EXPECT_THAT(estimate.notes[0].text, HasSubstr("reflectance/ambient, products/ambient: by their"));
+  EXPECT_THAT(estimate.notes[0].text,
+              HasSubstr("reflectance/ambient, products/ambient: their sigmas"));
 }
 
 TEST(Determined, WithoutALightNothingShowsTheDiffusePart) {

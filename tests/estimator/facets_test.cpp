@@ -75,7 +75,7 @@ TEST(Facets, NotedWhereLargerThanTheHighlight) {
   AddFacetsNote(CutBall(3), estimate);
   ASSERT_EQ(estimate.notes.size(), 1u);
   EXPECT_EQ(estimate.notes[0].code, "facets-coarse");
-  EXPECT_THAT(estimate.notes[0].text, HasSubstr("the highlight is 6.7 degrees"));
+  EXPECT_THAT(estimate.notes[0].text, HasSubstr("highlight is wide (6.7 degrees"));
   for (auto [fine, shininess, specular_model] :
        {std::tuple(CutBall(5), 100.0, model::SpecularModel::kPhong),
         {CutBall(3), 1.0, model::SpecularModel::kPhong},

@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(OddKind{"black", "is black"},
                     OddKind{"dimmed", "dimmer than the others tell, 0.6 times"},
                     OddKind{"turned", "upside down"}, OddKind{"mirrored", "mirrored left to right"},
-                    OddKind{"byte-swapped", "noise"}, OddKind{"stale", "picture of frame 4"},
+                    OddKind{"byte-swapped", "noise"}, OddKind{"stale", "same picture as frame 4"},
                     OddKind{"half", "empty in rows"}, OddKind{"moved", "shifted by about (7, -4)"}),
     [](const auto& info) {
       std::string name = info.param.kind;
