@@ -308,14 +308,18 @@ void TryPlace(Trial& trial) {
       "check where the target stands on the table.", moved(at));
 }
 
-// Those that leave the same stay in the order in which they were tried.
+// What lights of a lattice leave depends a little on where they are, so that changes which are the
+// same for the pictures leave nearly the same.
+constexpr double kNearlyAlike = 0.05;
+
+// Those that leave nearly the same stay in the order in which they were tried.
 void SortByLeft(std::vector<PoseChange>& changes) {
   std::vector<std::size_t> order(changes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return changes[a].left < changes[b].left; });
   for (auto first = order.begin(); first != order.end();) {
-    const double limit = (1.0 + kAlike) * changes[*first].left;
+    const double limit = (1.0 + kNearlyAlike) * changes[*first].left;
     const auto end =
         std::find_if(first, order.end(), [&](std::size_t i) { return changes[i].left > limit; });
     std::sort(first, end);

@@ -26,7 +26,7 @@ struct PoseChange {
 
 // Those of `changes` one after another: each is tried by the explainer, and of each kind what
 // explains the pictures best comes back, best first; of those that
-// explain them alike (within kAlike of what is left) the one that is tried first. angles as
+// explain them nearly alike (within 5 % of what is left) the one that is tried first. angles as
 // FindTurning takes them.
 //
 // Tried: angles reversed, times a factor from 1/3 to 3, with an offset; the pictures in another
