@@ -15,6 +15,7 @@ constexpr double kRays = 12000.0;                    // of all views
 constexpr int kWideLights = 32, kNarrowLights = 96;  // as far apart as their lobes are wide
 constexpr int kSweeps = 200;
 constexpr float kSettled = 1e-5f;
+constexpr int kReassignments = 20;
 
 struct Seen {
   Vector3d normal, mirrored;  // W axes
@@ -40,9 +41,8 @@ void FillRow(const Seen& seen, const std::vector<Vector3d>& wide,
   for (const Vector3d& light : narrow) columns(row, at++) = static_cast<float>(narrow_lobe(light));
 }
 
-// Minimises |A x - y|^2 over x >= 0 by turns: gram = A^T A, b = A^T y. Returns 2 b.x - x.gram x:
-// what of |y|^2 is explained.
-float Explained(const Eigen::MatrixXf& gram, const Eigen::VectorXf& b) {
+// The x >= 0 that minimises |A x - y|^2, by turns: gram = A^T A, b = A^T y.
+Eigen::VectorXf NonNegative(const Eigen::MatrixXf& gram, const Eigen::VectorXf& b) {
   Eigen::VectorXf x = Eigen::VectorXf::Zero(b.size());
   Eigen::VectorXf slope = b;  // b - gram x
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -57,7 +57,28 @@ float Explained(const Eigen::MatrixXf& gram, const Eigen::VectorXf& b) {
     }
     if (gain <= kSettled * b.dot(x)) break;
   }
-  return x.dot(b) + x.dot(slope);
+  return x;
+}
+
+using Order = std::vector<std::size_t>;
+
+// The pictures of two poses change places as long as that makes the costs (pose by picture) less.
+Order Exchanged(const Eigen::MatrixXd& cost, Order picture) {
+  const auto of = [&](std::size_t pose, std::size_t view) {
+    return cost(static_cast<Eigen::Index>(pose), static_cast<Eigen::Index>(view));
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t k = 1; k < picture.size(); ++k)
+      for (std::size_t l = 0; l < k; ++l) {
+        const double now = of(k, picture[k]) + of(l, picture[l]);
+        const double then = of(k, picture[l]) + of(l, picture[k]);
+        if (then >= now - 1e-9 * std::abs(now)) continue;
+        std::swap(picture[k], picture[l]);
+        changed = true;
+      }
+  }
+  return picture;
 }
 
 }  // namespace
@@ -117,7 +138,7 @@ Design Explainer::DesignOf(const std::vector<calib::RigPoses>& poses) const {
   return out;
 }
 
-double Explainer::Residual(const Design& design, const std::vector<std::size_t>& picture) const {
+Explainer::Fit Explainer::FitTo(const Design& design, const Order& picture) const {
   Eigen::VectorXf y(design.columns.rows());
   Eigen::Index row = 0;
   double beside = 0.0, beside_squares = 0.0;  // sums over what is not the target
@@ -137,13 +158,47 @@ double Explainer::Residual(const Design& design, const std::vector<std::size_t>&
       }
     }
   }
-  const auto on_target = static_cast<double>(
-      y.squaredNorm() -
-      (y.size() > 0 ? Explained(design.gram, design.columns.transpose() * y) : 0.0f));
-  const double beside_left =
-      count > 0 ? beside_squares - beside * beside / static_cast<double>(count) : 0.0;
+  Fit out;
+  out.beside = count > 0 ? beside / static_cast<double>(count) : 0.0;
+  double left = beside_squares - out.beside * beside;
+  if (y.size() > 0) {
+    out.model = design.columns * NonNegative(design.gram, design.columns.transpose() * y);
+    left += static_cast<double>((y - out.model).squaredNorm());
+  }
   const double all = static_cast<double>(samples_.size()) * static_cast<double>(picture.size());
-  return std::sqrt(std::max(on_target + beside_left, 0.0) / all);
+  out.residual = std::sqrt(std::max(left, 0.0) / all);
+  return out;
+}
+
+double Explainer::Residual(const Design& design, const Order& picture) const {
+  return FitTo(design, picture).residual;
+}
+
+Order Explainer::Reassigned(const Design& design, Order picture) const {
+  const auto count = static_cast<Eigen::Index>(picture.size());
+  for (int round = 0; round < kReassignments; ++round) {
+    const Fit fit = FitTo(design, picture);
+    Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(count, count);
+    Eigen::Index first = 0;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& seen = design.seen[static_cast<std::size_t>(k)];
+      for (Eigen::Index v = 0; v < count; ++v) {
+        const std::vector<float>& values = radiance_[static_cast<std::size_t>(v)];
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+          const auto value = static_cast<double>(values[seen[i]]);
+          const auto model = static_cast<double>(fit.model[first + static_cast<Eigen::Index>(i)]);
+          // Against what it would leave as a pixel beside the target.
+          cost(k, v) +=
+              (value - model) * (value - model) - (value - fit.beside) * (value - fit.beside);
+        }
+      }
+      first += static_cast<Eigen::Index>(seen.size());
+    }
+    Order next = Exchanged(cost, picture);
+    if (next == picture) break;
+    picture = std::move(next);
+  }
+  return picture;
 }
 
 }  // namespace turnlight::estimator::consistency

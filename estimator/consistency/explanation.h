@@ -35,7 +35,18 @@ class Explainer {
   // the picture of view picture[k].
   double Residual(const Design& design, const std::vector<std::size_t>& picture) const;
 
+  // From an order of the pictures to one that leaves no more: the pictures are given to the poses
+  // whose model they are most like, the model is fitted anew, and so on.
+  std::vector<std::size_t> Reassigned(const Design& design, std::vector<std::size_t> picture) const;
+
  private:
+  struct Fit {
+    Eigen::VectorXf model;  // of the design's rows
+    double beside = 0.0;    // radiance of what is not the target
+    double residual = 0.0;
+  };
+  Fit FitTo(const Design& design, const std::vector<std::size_t>& picture) const;
+
   struct Sampled {
     std::uint32_t row = 0, column = 0;
   };

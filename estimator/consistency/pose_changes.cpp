@@ -46,7 +46,8 @@ double LeftBy(const Trial& trial, const Poses& poses) {
 void Try(Trial& trial, const char* code, const std::string& words, const char* question,
          Poses poses) {
   const double left = LeftBy(trial, poses);
-  trial.found.push_back({code, words, question, std::move(poses), trial.in_order, left});
+  trial.found.push_back(
+      {code, words, question, std::move(poses), trial.in_order, left, trial.found.size()});
 }
 
 // The angles times a factor: a coarse grid, and a fine one about 1 and about the coarse one's best.
@@ -166,11 +167,14 @@ OrderWords WordsOf(const SmallViews& views, const Order& picture) {
 }
 
 void AddOrder(Trial& trial, const Design& design, Order picture) {
-  if (picture == trial.in_order) return;
+  if (picture == trial.in_order ||
+      std::any_of(trial.found.begin(), trial.found.end(),
+                  [&](const PoseChange& change) { return change.picture == picture; }))
+    return;
   const OrderWords words = WordsOf(trial.views, picture);
   const double left = trial.explainer.Residual(design, picture);
-  trial.found.push_back(
-      {words.code, words.words, words.question, trial.given, std::move(picture), left});
+  trial.found.push_back({words.code, words.words, words.question, trial.given, std::move(picture),
+                         left, trial.found.size()});
 }
 
 // Every way in which a tour of the pictures can lie on the angles.
@@ -213,7 +217,9 @@ void TryOrders(Trial& trial, const std::optional<Turning>& turning) {
   ParallelFor(orders.size(),
               [&](std::size_t i) { left[i] = trial.explainer.Residual(design, orders[i]); });
   const auto best = std::min_element(left.begin(), left.end());
-  AddOrder(trial, design, orders[static_cast<std::size_t>(best - left.begin())]);
+  AddOrder(
+      trial, design,
+      trial.explainer.Reassigned(design, orders[static_cast<std::size_t>(best - left.begin())]));
 }
 
 Pose Transposed(const Pose& pose) { return {pose.rotation.transpose(), pose.translation}; }
@@ -308,28 +314,6 @@ void TryPlace(Trial& trial) {
       "check where the target stands on the table.", moved(at));
 }
 
-// What lights of a lattice leave depends a little on where they are, so that changes which are the
-// same for the pictures leave nearly the same.
-constexpr double kNearlyAlike = 0.05;
-
-// Those that leave nearly the same stay in the order in which they were tried.
-void SortByLeft(std::vector<PoseChange>& changes) {
-  std::vector<std::size_t> order(changes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return changes[a].left < changes[b].left; });
-  for (auto first = order.begin(); first != order.end();) {
-    const double limit = (1.0 + kNearlyAlike) * changes[*first].left;
-    const auto end =
-        std::find_if(first, order.end(), [&](std::size_t i) { return changes[i].left > limit; });
-    std::sort(first, end);
-    first = end;
-  }
-  std::vector<PoseChange> sorted;
-  for (const std::size_t i : order) sorted.push_back(std::move(changes[i]));
-  changes = std::move(sorted);
-}
-
 }  // namespace
 
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
@@ -348,7 +332,8 @@ std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geome
   TryConventions(trial);
   TryUnits(trial);
   TryPlace(trial);
-  SortByLeft(trial.found);
+  std::stable_sort(trial.found.begin(), trial.found.end(),
+                   [](const PoseChange& a, const PoseChange& b) { return a.left < b.left; });
   return std::move(trial.found);
 }
 

@@ -12,21 +12,18 @@
 
 namespace turnlight::estimator::consistency {
 
-// Changes that leave the same but for this share cannot be told apart.
-inline constexpr double kAlike = 1e-3;
-
 struct PoseChange {
   std::string code;                    // stable, such as "angles-reversed"
   std::string words;                   // "with the angles reversed"
   std::string question;                // "does the table turn the other way round?"
   std::vector<calib::RigPoses> poses;  // after the change, of each keyframe
   std::vector<std::size_t> picture;    // the view whose picture keyframe k's is, after the change
-  double left = 0.0;  // rms that some lights leave of the pictures (Explainer), radiance
+  double left = 0.0;      // rms that some lights leave of the pictures (Explainer), radiance
+  std::size_t place = 0;  // among those that were tried: simple ones first
 };
 
 // Those of `changes` one after another: each is tried by the explainer, and of each kind what
-// explains the pictures best comes back, best first; of those that
-// explain them nearly alike (within 5 % of what is left) the one that is tried first. angles as
+// explains the pictures best comes back, best first. angles as
 // FindTurning takes them.
 //
 // Tried: angles reversed, times a factor from 1/3 to 3, with an offset; the pictures in another

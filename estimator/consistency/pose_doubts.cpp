@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimator/consistency/explanation.h"
 #include "estimator/consistency/pose_changes.h"
@@ -11,11 +12,13 @@
 namespace turnlight::estimator::consistency {
 namespace {
 
-constexpr std::size_t kMostFitted = 3;            // changes
-constexpr double kPromising = 0.9;                // of what is left without a change
-constexpr double kExplains = 0.5;                 // of the rms without a change
-constexpr double kSettles = 0.25;                 // likewise, so that no other need be tried
-constexpr double kWellExplained = 0.03;           // of the brightest radiance
+constexpr int kMostFitted = 3;           // changes
+constexpr double kPromising = 0.9;       // of what is left without a change
+constexpr double kExplains = 0.5;        // of the rms without a change
+constexpr double kAboutAsLittle = 1.3;   // of what is left by a change that explains them
+constexpr double kAlike = 1.1;           // ratio of the residuals of changes that explain alike
+constexpr double kSame = 1e-3;           // difference of what two changes leave
+constexpr double kWellExplained = 0.03;  // of the brightest radiance
 constexpr double kFits = 0.01, kFitsNoise = 2.0;  // of the level, and of the noise: what fits
 constexpr double kSeesEnough = 0.5;               // of the pixels that were seen without a change
 constexpr std::size_t kFewestPixels = 300;
@@ -57,6 +60,27 @@ std::vector<std::size_t> InOrder(std::size_t count) {
   return out;
 }
 
+struct Tried {
+  TriedChange told;
+  std::size_t place = 0;
+  bool explains = false;
+};
+
+// Of the changes that explain the pictures alike the simplest is told, the others with it.
+void Tell(const std::vector<Tried>& fitted, Consistency& out) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Tried& tried : fitted)
+    if (tried.explains) least = std::min(least, *tried.told.rms);
+  std::vector<Tried> alike;
+  for (const Tried& tried : fitted)
+    if (tried.explains && *tried.told.rms <= kAlike * least) alike.push_back(tried);
+  if (alike.empty()) return;
+  std::sort(alike.begin(), alike.end(),
+            [](const Tried& a, const Tried& b) { return a.place < b.place; });
+  out.change = alike.front().told;
+  for (std::size_t i = 1; i < alike.size(); ++i) out.alike.push_back(alike[i].told.words);
+}
+
 class Search {
  public:
   // as_they_are: the observations with the poses as they are.
@@ -71,34 +95,34 @@ class Search {
         stop_(stop) {}
 
   // Fits the most promising, one of each kind, and says which explains the pictures.
-  void Run(const std::vector<double>& angles_deg, const Fitted& given, Consistency& out) const {
+  void Run(const std::vector<double>& angles_deg, const Fitted& given, Consistency& out) {
     const Explainer explainer(views_, geometry_, rays_);
     const std::vector<calib::RigPoses> poses = GivenPoses(views_);
     out.left = explainer.Residual(explainer.DesignOf(poses), InOrder(poses.size()));
     const std::vector<PoseChange> ranked = RankChanges(views_, geometry_, explainer, angles_deg);
-    std::vector<TriedChange> fitted;
+    std::vector<Tried> fitted;
     for (const PoseChange& change : ranked) {
       if (StopRequested(stop_)) return;
-      TriedChange& tried = out.tried.emplace_back(
-          TriedChange{change.code, change.words, change.question, change.left, std::nullopt});
-      const auto same = std::find_if(fitted.begin(), fitted.end(), [&](const TriedChange& other) {
-        return other.code == tried.code || Alike(other.left, tried.left);
+      Tried tried{{change.code, change.words, change.question, change.left, std::nullopt},
+                  change.place};
+      const auto same = std::find_if(fitted.begin(), fitted.end(), [&](const Tried& other) {
+        return other.told.code == change.code || Same(other.told.left, change.left);
       });
-      if (same != fitted.end() && Alike(same->left, tried.left)) tried.rms = same->rms;
-      if (fitted.size() == kMostFitted || same != fitted.end() || Settles(out, given) ||
-          change.left > kPromising * out.left)
-        continue;
-      const Fitted with = FitChanged(views_, change, geometry_, rays_, choice_, stop_);
-      if (with.pixels > 0) tried.rms = with.rms;
-      fitted.push_back(tried);
-      if (with.pixels > 0 && Explains(with, given) && !ExplainsAsTheyAre(with) &&
-          (!out.change || with.rms < *out.change->rms))
-        out.change = tried;
+      if (same != fitted.end() && Same(same->told.left, change.left)) {
+        tried.told.rms = same->told.rms;
+        tried.explains = same->explains;
+        if (tried.explains) fitted.push_back(tried);
+      } else if (same == fitted.end() && fits_left_ > 0 &&
+                 Promising(change.left, fitted, out.left)) {
+        --fits_left_;
+        const Fitted with = FitChanged(views_, change, geometry_, rays_, choice_, stop_);
+        if (with.pixels > 0) tried.told.rms = with.rms;
+        tried.explains = with.pixels > 0 && Explains(with, given) && !ExplainsAsTheyAre(with);
+        fitted.push_back(tried);
+      }
+      out.tried.push_back(tried.told);
     }
-    if (!out.change) return;
-    for (const TriedChange& tried : out.tried)
-      if (tried.code != out.change->code && Alike(tried.left, out.change->left))
-        out.alike.push_back(tried.words);
+    Tell(fitted, out);
   }
 
  private:
@@ -109,11 +133,14 @@ class Search {
     const Fit fit = FitFrom(as_they_are_, solve::ToSolver(with.scene, as_they_are_), stop_);
     return fit.rms * kExplains < with.rms;
   }
-  // Whether two changes leave the same, so that the pictures cannot tell which it was.
-  static bool Alike(double a, double b) { return std::abs(a - b) <= kAlike * std::max(a, b); }
-  // Whether what was found leaves so little that no other change need be fitted.
-  static bool Settles(const Consistency& out, const Fitted& given) {
-    return out.change && *out.change->rms < kSettles * given.rms;
+  // Whether two changes leave the same of the pictures: they are the same to them.
+  static bool Same(double a, double b) { return std::abs(a - b) <= kSame * std::max(a, b); }
+  // Beside one that explains the pictures only what leaves about as little is fitted.
+  static bool Promising(double left, const std::vector<Tried>& fitted, double as_they_are) {
+    double limit = kPromising * as_they_are;
+    for (const Tried& tried : fitted)
+      if (tried.explains) limit = std::min(limit, kAboutAsLittle * tried.told.left);
+    return left <= limit;
   }
   static bool Explains(const Fitted& with, const Fitted& given) {
     if (with.rms > kWellExplained * with.brightest) return false;
@@ -129,6 +156,7 @@ class Search {
   const calib::RayGrid& rays_;
   const model::ModelChoice& choice_;
   const StopFlag* stop_;
+  int fits_left_ = kMostFitted;
 };
 
 }  // namespace

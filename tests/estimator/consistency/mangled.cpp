@@ -113,6 +113,14 @@ Capture CopyOf(const Capture& capture) {
   return out;
 }
 
+void GiveMasks(Capture& capture) {
+  for (SyntheticFrame& frame : capture.session.frames) {
+    cv::Mat grey;
+    cv::extractChannel(frame.image, grey, 0);
+    cv::compare(grey, 400, frame.mask, cv::CMP_GT);
+  }
+}
+
 void MakeOdd(Capture& capture, const std::string& kind, std::size_t frame) {
   std::vector<SyntheticFrame>& frames = capture.session.frames;
   cv::Mat& image = frames[frame].image;
@@ -132,19 +140,11 @@ void MakeOdd(Capture& capture, const std::string& kind, std::size_t frame) {
     image.rowRange(image.rows / 2, image.rows).setTo(0);
   } else if (kind == "moved") {
     image = Shifted(image, 7, -4);
+  } else if (kind == "wrong-mask") {
+    if (cv::countNonZero(frames[frame].mask) == static_cast<int>(frames[frame].mask.total()))
+      GiveMasks(capture);
+    frames[frame].mask.colRange(0, image.cols / 2).setTo(0);
   }
-}
-
-void GiveMasks(Capture& capture) {
-  for (SyntheticFrame& frame : capture.session.frames) {
-    cv::Mat grey;
-    cv::extractChannel(frame.image, grey, 0);
-    cv::compare(grey, 400, frame.mask, cv::CMP_GT);
-  }
-}
-
-void TakeMaskFrom(Capture& capture, std::size_t frame, std::size_t other) {
-  capture.session.frames[frame].mask = capture.session.frames[other].mask.clone();
 }
 
 void MisplacePoses(Capture& capture, const std::string& mistake, std::uint64_t seed) {

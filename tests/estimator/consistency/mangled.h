@@ -30,12 +30,11 @@ Capture CapturedSymmetric(std::uint64_t seed, int fold, int frames);
 Capture CopyOf(const Capture& capture);
 
 // What can be wrong with one frame.
-inline constexpr const char* kOddKinds[] = {"black", "dimmed", "turned", "byte-swapped",
-                                            "stale", "half",   "moved",  "mirrored"};
+inline constexpr const char* kOddKinds[] = {"black", "dimmed", "turned",   "byte-swapped", "stale",
+                                            "half",  "moved",  "mirrored", "wrong-mask"};
 void MakeOdd(Capture& capture, const std::string& kind, std::size_t frame);
-// Its mask becomes that of another frame; all frames get masks.
+// All frames get masks.
 void GiveMasks(Capture& capture);
-void TakeMaskFrom(Capture& capture, std::size_t frame, std::size_t other);
 
 // What can be wrong with all poses.
 inline constexpr const char* kPoseMistakes[] = {

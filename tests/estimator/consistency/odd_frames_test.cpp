@@ -75,7 +75,7 @@ TEST(OddFrames, AMaskOfAnotherFrameIsNamed) {
   Capture capture = Captured(SmallCapture(7, Shape::kLump, 12));
   GiveMasks(capture);
   EXPECT_TRUE(OddOf(Judged(capture)).empty());
-  capture.session.frames[4].mask.colRange(0, 58).setTo(0);
+  MakeOdd(capture, "wrong-mask", 4);
   const FramesJudged judged = Judged(capture);
   ASSERT_EQ(OddOf(judged), std::vector<std::size_t>{4});
   EXPECT_NE(judged.frames[4].what.find("mask"), std::string::npos) << judged.frames[4].what;
