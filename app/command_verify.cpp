@@ -14,10 +14,6 @@
 namespace turnlight::app {
 namespace {
 
-std::string Count(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 int Verify(const std::string& folder) {
   const InterruptAtOnce reading_only;
   const auto report = rig::VerifySession(folder);
@@ -33,12 +29,12 @@ int Verify(const std::string& folder) {
   for (const std::string& problem : report->problems)
     std::cout << "problem: " << Printable(problem) << "\n";
   if (report->problems.empty()) {
-    std::cout << folder << ": good, " << Count(report->frames, "frame") << "\n"
+    std::cout << folder << ": good, " << Counted(report->frames, "frame") << "\n"
               << "content sha256 " << report->content_sha256 << std::endl;
     return kDone;
   }
-  std::cout << folder << ": " << Count(report->problems.size(), "problem") << ", "
-            << Count(report->frames, "good frame") << std::endl;
+  std::cout << folder << ": " << Counted(report->problems.size(), "problem") << ", "
+            << Counted(report->frames, "good frame") << std::endl;
   return report->session_good && report->frames > 0 ? kIncomplete : kRefused;
 }
 
@@ -59,7 +55,8 @@ void PrintFrames(const estimator::from_session::ModelCheck& check) {
     std::cout << Format("  %5zu %8s  %9.2g  %10.3f  ", frame.number,
                         frame.angle_deg ? Format("%.1f", *frame.angle_deg).c_str() : "-", of.left,
                         of.gain)
-              << frame.file << (frame.judged.odd ? "  <- " + frame.judged.what : "") << "\n";
+              << Printable(frame.file) << (frame.judged.odd ? "  <- " + frame.judged.what : "")
+              << "\n";
   }
 }
 
@@ -90,7 +87,7 @@ int VerifyAgainstModel(const std::string& folder) {
   if (check->found.change)
     std::cout << "problem: " << estimator::from_session::WordsOfChange(check->found) << std::endl;
   else if (odd > 0)
-    std::cout << "problem: " << Count(odd, "frame") << (odd == 1 ? " does" : " do")
+    std::cout << "problem: " << Counted(odd, "frame") << (odd == 1 ? " does" : " do")
               << " not belong to the others" << std::endl;
   else
     std::cout << "frames and poses belong together, as far as pictures can tell" << std::endl;

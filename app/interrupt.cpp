@@ -20,7 +20,7 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch
 const std::vector<int> kStandardOutputs{STDOUT_FILENO, STDERR_FILENO};
 
 std::atomic<nodes::graph::Graph*> stopped_graph{nullptr};
-std::atomic<int> presses{0};        // while there is a graph or a motor to stop
+std::atomic<int> presses{0};        // since a graph or a motor that can be stopped began
 std::atomic<bool> stop_now{false};  // by SIGTERM, or nobody is there any more
 std::atomic<bool> first_stops_now{false};
 std::atomic<bool> halts_motor{false};

@@ -31,7 +31,10 @@ class PrintableOutput::Buffer : public std::streambuf {
     begun_.append(text, static_cast<std::size_t>(count));
     return Put(IncompleteBytes(begun_)) ? count : 0;
   }
-  int sync() override { return under_->pubsync(); }
+  int sync() override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return under_->pubsync();
+  }
 
  private:
   // Puts all of what has begun but the last bytes, which stay.

@@ -17,10 +17,6 @@ using estimator::LightEstimate;
 
 constexpr const char* kPlusMinus = " \u00b1 ";
 
-std::string Plural(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 // Two columns: what, and the values.
 std::string Row(const std::string& what, const std::string& values) {
   return Format("  %-12s", what.c_str()) + values + "\n";
@@ -30,7 +26,7 @@ std::string ModelText(const Estimate& estimate) {
   const auto near = std::count_if(estimate.lights.begin(), estimate.lights.end(),
                                   [](const LightEstimate& light) { return light.near; });
   const auto distant = static_cast<std::ptrdiff_t>(estimate.lights.size()) - near;
-  std::string text = Plural(estimate.lights.size(), "light");
+  std::string text = Counted(estimate.lights.size(), "light");
   if (near > 0 && distant > 0)
     text += " (" + std::to_string(near) + " near, " + std::to_string(distant) + " distant)";
   else
@@ -156,8 +152,8 @@ std::string Measure(double value, double sigma) {
 std::string Summary(const Estimate& estimate, const std::string& session_name,
                     const std::string& length_unit) {
   std::string text = Printable(session_name) + ": " +
-                     Plural(static_cast<std::size_t>(estimate.views), "view") + ", " +
-                     Plural(estimate.pixels, "pixel") + "\n\n";
+                     Counted(static_cast<std::size_t>(estimate.views), "view") + ", " +
+                     Counted(estimate.pixels, "pixel") + "\n\n";
   text += Row("model", ModelText(estimate));
   for (std::size_t i = 0; i < estimate.lights.size(); ++i)
     text += Row("light " + std::to_string(i + 1), LightText(estimate, i, length_unit));

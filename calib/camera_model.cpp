@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/format.h"
 #include "base/parallel.h"
+#include "base/printable.h"
 #include "calib/camera_model_text.h"
 
 extern "C" {
@@ -81,9 +82,7 @@ std::string ConfigurationProblem(const mrcal_lensmodel_t& model, const std::stri
 
 Result<mrcal_lensmodel_t> ParseLensModel(const std::string& name, const std::string& file) {
   const auto refuse = [&](const std::string& why) {
-    std::string shown = name.substr(0, 100);
-    for (char& c : shown) c = c >= ' ' && c <= '~' ? c : '?';
-    return InputError(file + ": 'lensmodel': '" + shown + "' " + why);
+    return InputError(file + ": 'lensmodel': '" + Printable(name.substr(0, 100)) + "' " + why);
   };
   mrcal_lensmodel_t model{};
   const mrcal_lensmodel_type_t type = mrcal_lensmodel_type_from_name(name.c_str());

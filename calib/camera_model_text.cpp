@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "base/printable.h"
+
 namespace turnlight::calib {
 namespace {
 
@@ -32,8 +34,7 @@ bool EndsWord(char c) {
 
 // What can be shown of hostile text in a message.
 std::string Show(std::string_view text) {
-  std::string shown;
-  for (const char c : text.substr(0, 60)) shown += c >= ' ' && c <= '~' ? c : '?';
+  const std::string shown = Printable(text.substr(0, 60));
   return text.size() > 60 ? shown + "..." : shown;
 }
 

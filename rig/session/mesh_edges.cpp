@@ -83,8 +83,8 @@ std::span<const EdgeTable::Side> EdgeTable::Between(int a, int b) const {
   const auto end = sides_.begin() + static_cast<std::ptrdiff_t>(starts_[low + 1]);
   const auto first =
       std::lower_bound(begin, end, high, [](const Side& s, int place) { return s.other < place; });
-  auto last = first;
-  while (last != end && last->other == high) ++last;
+  const auto last =
+      std::upper_bound(first, end, high, [](int place, const Side& s) { return place < s.other; });
   return {first, last};
 }
 

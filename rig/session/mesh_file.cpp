@@ -18,7 +18,6 @@ namespace turnlight::rig {
 namespace {
 
 constexpr std::size_t kMaxFaces = std::size_t{1} << 26;
-constexpr double kVisibleStep = 1e-6;  // of single precision, in a mesh's extents
 
 Status CheckSize(const PolygonMesh& mesh, const std::string& file) {
   if (mesh.ends.size() <= kMaxFaces && mesh.corners.size() <= 3 * kMaxFaces &&
@@ -105,21 +104,15 @@ calib::MeshShape WithNormals(TriangleMesh mesh, const std::string& file,
 // Tells of a mesh so far from the origin that single precision spoils it.
 void RemarkPrecision(const TriangleMesh& mesh, const std::string& file,
                      std::vector<std::string>& remarks) {
-  Eigen::Vector3d low = mesh.vertices[0], high = low;
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  const double far = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-  const double step = std::numeric_limits<float>::epsilon() * far;
-  if (step <= kVisibleStep * (high - low).maxCoeff()) return;
+  const Extent extent = ExtentOf(mesh.vertices);
+  if (!extent.CoarseInFloat()) return;
   remarks.push_back(
       file +
       turnlight::Format(
           ": the coordinates are single-precision numbers as large as %.7g: they are "
           "rounded by up to %.2g, in a mesh of the size %.3g; export it again with doubles, or "
           "moved to the origin",
-          far, 0.5 * step, (high - low).maxCoeff()));
+          extent.far, 0.5 * extent.FloatStep(), extent.size));
 }
 
 Result<PolygonMesh> Import(const std::string& bytes, const std::filesystem::path& file) {

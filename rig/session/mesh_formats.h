@@ -37,4 +37,24 @@ inline std::int32_t KeptIndex(double index) {
 Result<PolygonMesh> ReadPly(const std::string& bytes, const std::string& file);
 Result<PolygonMesh> ReadObj(const std::string& bytes, const std::string& file);
 
+// How far coordinates reach from the origin, and how far apart they are, along any axis.
+struct Extent {
+  double far = 0.0, size = 0.0;
+
+  // What single precision resolves there, and whether that spoils a mesh of this size.
+  double FloatStep() const { return std::numeric_limits<float>::epsilon() * far; }
+  bool CoarseInFloat() const { return FloatStep() > 1e-6 * size; }
+};
+
+// Of the vertices that are finite.
+inline Extent ExtentOf(const std::vector<Eigen::Vector3d>& vertices) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(HUGE_VAL), high = -low;
+  for (const Eigen::Vector3d& vertex : vertices) {
+    if (!vertex.allFinite()) continue;
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  return {std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()), (high - low).maxCoeff()};
+}
+
 }  // namespace turnlight::rig

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/format.h"
 #include "rig/session/mesh_edges.h"
 #include "rig/session/triangulate.h"
+#include "rig/session/vertex_normals.h"
 
 namespace turnlight::rig {
 namespace {
@@ -27,7 +29,6 @@ const Eigen::Vector3d& At(const std::vector<Eigen::Vector3d>& vertices, const Fa
 // A face that is left out.
 struct BadFace {
   std::size_t face = 0;
-  std::string why;
   bool has_area = false;
 };
 
@@ -50,6 +51,7 @@ class FaceCutter {
   }
 
   const std::vector<BadFace>& bad() const { return bad_; }
+  const std::string& why_first() const { return why_first_; }  // what is wrong with the first
   std::vector<TriangleMesh::Triangle> TakeTriangles() { return std::move(triangles_); }
   const std::vector<TriangleMesh::Triangle>& triangles() const { return triangles_; }
   int PlaceOf(const FaceCorner& corner) const {
@@ -64,7 +66,7 @@ class FaceCutter {
  private:
   void Cut(std::size_t face) {
     for (const FaceCorner& corner : corners_)
-      if (!Names(corner)) return LeaveOut(face, WhyUnnamed(corner), true);
+      if (!Names(corner)) return LeaveOut(face, bad_.empty() ? WhyUnnamed(corner) : "", true);
     DropRepeated();
     if (corners_.size() < 3)
       return LeaveOut(face, "has corners at fewer than 3 places, and no area", false);
@@ -115,7 +117,8 @@ class FaceCutter {
   }
 
   void LeaveOut(std::size_t face, std::string why, bool has_area) {
-    bad_.push_back({face, bad_.empty() ? std::move(why) : std::string(), has_area});
+    if (bad_.empty()) why_first_ = std::move(why);
+    bad_.push_back({face, has_area});
   }
 
   const PolygonMesh& mesh_;
@@ -125,6 +128,7 @@ class FaceCutter {
   std::vector<Eigen::Vector3d> points_;
   std::vector<TriangleMesh::Triangle> triangles_;
   std::vector<BadFace> bad_;
+  std::string why_first_;
 };
 
 // How many of the faces left out close what is open without them.
@@ -147,10 +151,6 @@ std::size_t CountHoles(const PolygonMesh& mesh, const std::vector<int>& place,
     holes += hole ? 1 : 0;
   }
   return holes;
-}
-
-std::string OneOrMore(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
 // Normals that are none are as if they were not there.
@@ -189,9 +189,9 @@ Result<TriangleMesh> UsableTriangles(PolygonMesh mesh, const std::string& file,
   cutter.Cut();
   if (const auto& bad = cutter.bad(); !bad.empty()) {
     const std::string first =
-        "; the first: face " + std::to_string(bad.front().face) + " " + bad.front().why;
+        "; the first: face " + std::to_string(bad.front().face) + " " + cutter.why_first();
     if (cutter.triangles().empty())
-      return InputError(file + ": none of " + OneOrMore(faces, "face") + " can be used" + first);
+      return InputError(file + ": none of " + Counted(faces, "face") + " can be used" + first);
     const std::size_t holes = CountHoles(mesh, out.place, cutter);
     if (static_cast<double>(holes) > kMaxHoles * static_cast<double>(faces))
       return InputError(file + ": " + std::to_string(holes) + " of " + std::to_string(faces) +
@@ -215,7 +215,7 @@ Status RemoveUnused(TriangleMesh& mesh, const std::string& file,
   });
   if (mesh.triangles.empty()) return InputError(file + ": no face of the mesh has an area");
   if (flat > 0)
-    remarks.push_back(file + ": " + OneOrMore(flat, "triangle") + " without area " +
+    remarks.push_back(file + ": " + Counted(flat, "triangle") + " without area " +
                       (flat == 1 ? "was" : "were") + " left out, which leaves no hole");
   std::vector<std::int32_t> kept(mesh.vertices.size(), -1);
   for (const TriangleMesh::Triangle& t : mesh.triangles)
@@ -238,8 +238,9 @@ Status RemoveUnused(TriangleMesh& mesh, const std::string& file,
 }
 
 Eigen::Vector3d AreaVectorOf(const TriangleMesh& mesh, const TriangleMesh::Triangle& triangle) {
-  const Eigen::Vector3d& a = At(mesh.vertices, triangle[0]);
-  return (At(mesh.vertices, triangle[1]) - a).cross(At(mesh.vertices, triangle[2]) - a);
+  return FaceAreaVector(mesh.vertices,
+                        {static_cast<int>(triangle[0].vertex), static_cast<int>(triangle[1].vertex),
+                         static_cast<int>(triangle[2].vertex)});
 }
 
 }  // namespace turnlight::rig

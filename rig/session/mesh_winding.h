@@ -21,8 +21,7 @@ namespace turnlight::rig {
 //   (four fifths of the area). Otherwise, if it is more than 1 % of the whole, this fails (kInput):
 //   the sides cannot be told. What is open and was wound one way stays as it is.
 // - Normals of the file that are against the winding on more than 5 % of the faces are turned
-// round,
-//   or made anew, where the piece is closed; if it is open, this fails (kInput).
+//   round, or made anew, where the piece is closed; if it is open, this fails (kInput).
 Status RepairWinding(TriangleMesh& mesh, const std::string& file,
                      std::vector<std::string>& remarks);
 

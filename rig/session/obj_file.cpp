@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
 #include "rig/session/mesh_formats.h"
 #include "rig/session/number_text.h"
 
@@ -132,12 +133,6 @@ bool TakeFace(std::string_view words, PolygonMesh& mesh) {
   return true;
 }
 
-std::string ShownLine(std::string_view line) {
-  std::string shown(line.substr(0, 80));
-  for (char& c : shown) c = c >= ' ' && c <= '~' ? c : '?';
-  return shown;
-}
-
 }  // namespace
 
 Result<PolygonMesh> ReadObj(const std::string& bytes, const std::string& file) {
@@ -150,7 +145,8 @@ Result<PolygonMesh> ReadObj(const std::string& bytes, const std::string& file) {
     if (face ? TakeFace(words, mesh)
              : TakeVector(words, keyword == "v" ? mesh.vertices : mesh.normals))
       continue;
-    return InputError(file + ":" + std::to_string(lines.number()) + ": " + ShownLine(line) +
+    return InputError(file + ":" + std::to_string(lines.number()) + ": " +
+                      Printable(line.substr(0, 80)) +
                       (face ? ", allowed are corners v, v/t, v//n or v/t/n after \"f\""
                             : ", allowed are 3 numbers after \"" + std::string(keyword) + "\""));
   }

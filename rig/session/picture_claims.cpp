@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "base/format.h"
+#include "calib/transfer.h"
 
 namespace turnlight::rig {
 namespace {
@@ -22,10 +23,6 @@ constexpr std::size_t kMostName = 80;
 
 bool IsAboutOne(double gamma) { return std::abs(gamma - 1.0) <= kSameGamma; }
 bool IsAboutSrgb(double gamma) { return gamma >= kLeastSrgbGamma && gamma <= kMostSrgbGamma; }
-
-double SrgbLight(double stored) {  // IEC 61966-2-1
-  return stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4);
-}
 
 template <typename Function>
 double LargestDifference(const std::vector<double>& samples, Function function) {
@@ -92,9 +89,12 @@ TransferClaim GammaClaim(double exponent, const std::string& said_by) {
 
 TransferClaim CurveClaim(const std::vector<double>& samples, const std::string& said_by) {
   TransferClaim claim{Transfer::kOther, MeanGamma(samples), said_by};
+  calib::Radiometry srgb;
+  srgb.encoding = calib::Encoding::kSrgb;
+  const calib::Transfer transfer(srgb);
   if (LargestDifference(samples, [](double x) { return x; }) < kSameCurve)
     claim.kind = Transfer::kLinear;
-  else if (LargestDifference(samples, SrgbLight) < kSameCurve)
+  else if (LargestDifference(samples, [&](double x) { return transfer.Decode(x); }) < kSameCurve)
     claim.kind = Transfer::kSrgb;
   else if (LargestDifference(samples, [&](double x) { return std::pow(x, claim.gamma); }) <
            kSameCurve)

@@ -126,7 +126,7 @@ std::string SaturationWords(const calib::Radiometry& radiometry) {
 // 2^n - 1 that holds the value.
 double FullScale(double value) { return std::exp2(std::ceil(std::log2(value + 1.0))) - 1.0; }
 
-// white for values that end at `largest`, and saturation where it is set besides.
+// What sets `white`, and saturation where it is set besides.
 std::string SetWhite(const calib::Radiometry& radiometry, double white) {
   return "set \"white\": " + Whole(white) +
          (radiometry.saturation ? ", and \"saturation\" to no more" : "");

@@ -2,7 +2,6 @@
 // Pure functions of pixels.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <optional>

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
 #include "rig/session/mesh_formats.h"
 #include "rig/session/number_text.h"
 #include "rig/session/ply_header.h"
@@ -147,10 +148,9 @@ Status CheckElements(const PlyHeader& header, const std::string& file) {
       return InputError(file + ": the PLY element " + element.name +
                         " has no list vertex_indices or vertex_index");
   }
-  for (char& c : names) c = c >= ' ' && c <= '~' ? c : '?';
   if (vertices != 1 || faces == 0)
     return InputError(file + ": the PLY is no mesh: its elements are " +
-                      (names.empty() ? "none" : names) +
+                      (names.empty() ? "none" : Printable(names)) +
                       ", allowed are one vertex, and face or tristrips" +
                       (faces == 0 ? "; of a cloud of points make a mesh first" : ""));
   return {};
@@ -183,7 +183,7 @@ class PlyReader {
         return InputError(file_ +
                           ": damaged or truncated PLY: its values end, or cannot be read, after " +
                           std::to_string(done) + " of " + std::to_string(element.count) +
-                          " elements " + Named(element));
+                          " elements " + Printable(element.name.substr(0, 40)));
     }
     if (has_normals_)
       for (PolygonMesh::Corner& corner : mesh_.corners) corner.normal = corner.vertex;
@@ -191,12 +191,6 @@ class PlyReader {
   }
 
  private:
-  static std::string Named(const PlyElement& element) {
-    std::string name = element.name.substr(0, 40);
-    for (char& c : name) c = c >= ' ' && c <= '~' ? c : '?';
-    return name;
-  }
-
   // Every element takes at least its single values and the lengths of its lists.
   Status CheckRoom(const PlyElement& element) const {
     double bytes = 0.0;
@@ -204,7 +198,7 @@ class PlyReader {
       bytes += Values::BytesOf(property.count_type.value_or(property.type));
     if (static_cast<double>(element.count) * bytes <= values_.Left()) return {};
     return InputError(file_ + ": truncated PLY: " + std::to_string(element.count) + " elements " +
-                      Named(element) + " do not fit in the file");
+                      Printable(element.name.substr(0, 40)) + " do not fit in the file");
   }
 
   bool SkipProperty(const PlyProperty& property) {
@@ -314,19 +308,6 @@ class PlyReader {
   bool has_normals_ = false;
 };
 
-// Whether floats would lose something of the mesh: it is small and far from the origin.
-bool IsCoarseInFloat(const PolygonMesh& mesh) {
-  constexpr double kVisible = 1e-6;  // of the mesh's extent
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(HUGE_VAL), high = -low;
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    if (!vertex.allFinite()) continue;
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  const double far = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-  return std::numeric_limits<float>::epsilon() * far > kVisible * (high - low).maxCoeff();
-}
-
 // A call of its own: from -O2 on, the vectoriser of g++ 12 drops the rounding of (double)(float)x.
 [[gnu::noinline]] float SingleOf(double value) { return static_cast<float>(value); }
 
@@ -337,7 +318,7 @@ void RoundToFloat(std::vector<Eigen::Vector3d>& values) {
 // Text can say more than the type that it is declared as. It is taken at its type, as other
 // programs do, unless that would spoil the mesh.
 void TakeDeclaredPrecision(PolygonMesh& mesh) {
-  if (!mesh.single_precision || IsCoarseInFloat(mesh)) {
+  if (!mesh.single_precision || ExtentOf(mesh.vertices).CoarseInFloat()) {
     mesh.single_precision = false;
     return;
   }

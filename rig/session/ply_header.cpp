@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
+
 namespace turnlight::rig {
 namespace {
 
@@ -44,13 +46,6 @@ std::vector<std::string_view> WordsOf(std::string_view line) {
     at = end;
   }
   return words;
-}
-
-// What can be shown of a hostile line in a message.
-std::string Shown(std::string_view line) {
-  std::string shown(line.substr(0, 80));
-  for (char& c : shown) c = c >= ' ' && c <= '~' ? c : '?';
-  return shown;
 }
 
 bool TakeProperty(const std::vector<std::string_view>& words, PlyElement& element) {
@@ -148,7 +143,7 @@ Result<PlyHeader> ReadPlyHeader(const std::string& bytes, const std::string& fil
     if (words[0] == "end_header") break;
     if (!TakeLine(words, header, has_format))
       return InputError(
-          file + ":" + std::to_string(number) + ": \"" + Shown(line) +
+          file + ":" + std::to_string(number) + ": \"" + Printable(line.substr(0, 80)) +
           "\", allowed are format 1.0, element, property, comment and obj_info lines" +
           " with PLY's types");
   }

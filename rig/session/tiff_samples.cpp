@@ -108,6 +108,7 @@ Status StoreSamples(const TiffLayout& layout, const unsigned char* bytes, const 
 }
 
 void ResolveMask(TIFF* tiff, const TiffLayout& layout, cv::Mat& image) {
+  if (!layout.palette && !layout.inverted) return;  // of at most 16 bits if it is either
   const int most = (1 << layout.bits) - 1;
   if (layout.palette) {
     std::uint16_t *red = nullptr, *green = nullptr, *blue = nullptr;
@@ -115,7 +116,7 @@ void ResolveMask(TIFF* tiff, const TiffLayout& layout, cv::Mat& image) {
     if (TIFFGetField(tiff, TIFFTAG_COLORMAP, &red, &green, &blue) == 1)
       for (int i = 0; i <= most; ++i) table(0, i) = red[i] || green[i] || blue[i] ? 255 : 0;
     cv::LUT(image, table, image);
-  } else if (layout.inverted) {
+  } else {
     cv::Mat grey;
     cv::extractChannel(image, grey, 0);
     cv::subtract(cv::Scalar(most), grey, grey);

@@ -104,7 +104,8 @@ TEST_F(DeviceCommands, InterruptsHaltTheMotor) {
   }
   const Outcome late = RunProgram({"jog", config, "3600", "--timeout", "0.3"});
   EXPECT_EQ(late.exit_code, 4);
-  EXPECT_THAT(late.err, AllOf(HasSubstr("still moves after 0.3"), HasSubstr("was stopped")));
+  EXPECT_THAT(late.err, AllOf(HasSubstr("still moves after 0.3"), HasSubstr("was stopped"),
+                              HasSubstr("turnlight doctor")));
 }
 
 TEST_F(DeviceCommands, AControllerOnASerialPort) {

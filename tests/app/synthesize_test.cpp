@@ -122,7 +122,13 @@ TEST(Config, AConfigOfTheOtherKindIsCalledThat) {
   WriteText(folder / "graf.yaml", text);
   const Outcome check = RunProgram({"config", "check", folder / "graf.yaml"});
   EXPECT_EQ(check.exit_code, 2);
-  EXPECT_THAT(check.err, HasSubstr("graph: this key is missing"));
+  EXPECT_THAT(check.err, ::testing::AllOf(HasSubstr("graph: this key is missing"),
+                                          ::testing::Not(HasSubstr("home, jog"))));
+  // A rig alone is a config for other commands.
+  text.erase(text.find("\ngraf:"));
+  WriteText(folder / "rig.yaml", text);
+  EXPECT_THAT(RunProgram({"config", "check", folder / "rig.yaml"}).err,
+              HasSubstr("home, jog, snap and doctor do without it"));
 }
 
 TEST(Config, TheExamplesAreGood) {

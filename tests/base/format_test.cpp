@@ -26,6 +26,12 @@ TEST(Listed, HasCommasBetween) {
   EXPECT_EQ(Listed({"one", "two", "three"}), "one, two, three");
 }
 
+TEST(Counted, SaysOneOrMore) {
+  EXPECT_EQ(Counted(1, "frame"), "1 frame");
+  EXPECT_EQ(Counted(0, "frame"), "0 frames");
+  EXPECT_EQ(Counted(12, "good frame"), "12 good frames");
+}
+
 TEST(Utc, IsADateAndATime) {
   EXPECT_THAT(UtcNow(), testing::MatchesRegex("20[0-9]+-[01][0-9]-[0-3][0-9]T[0-2][0-9]:[0-5][0-9]:"
                                               "[0-6][0-9].[0-9][0-9][0-9]Z"));

@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "base/file.h"
 
 namespace turnlight::messages {
 namespace {
@@ -20,20 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-std::string ReadText(const fs::path& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 const std::string& Sources() {
   static const std::string all = [] {
     std::string text;
     for (const char* folder : {"app", "estimator", "rig"})
       for (const auto& entry :
            fs::recursive_directory_iterator(fs::path(TURNLIGHT_SOURCE_DIR) / folder))
-        if (entry.path().extension() == ".cpp") text += ReadText(entry.path());
+        if (entry.path().extension() == ".cpp") text += ReadFile(entry.path()).value_or("");
     return text;
   }();
   return all;
@@ -45,7 +38,8 @@ std::string RowOfPage(const Row& row) {
 }
 
 TEST(Messages, ThePageIsTheTable) {
-  const std::string page = ReadText(fs::path(TURNLIGHT_SOURCE_DIR) / "docs/messages.md");
+  const std::string page =
+      ReadFile(fs::path(TURNLIGHT_SOURCE_DIR) / "docs/messages.md").value_or("");
   std::size_t rows = 0;
   for (std::size_t at = page.find("\n| `"); at != std::string::npos;
        at = page.find("\n| `", at + 1))
