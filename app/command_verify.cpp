@@ -83,15 +83,30 @@ int VerifyAgainstModel(const std::string& folder) {
   if (!check) return Fail(check.error());
   PrintFrames(*check);
   PrintChanges(check->found);
-  const std::size_t odd = estimator::from_session::OddViews(check->found).size();
-  if (check->found.change)
-    std::cout << "problem: " << estimator::from_session::WordsOfChange(check->found) << std::endl;
+  const estimator::consistency::Consistency& found = check->found;
+  const std::size_t odd = estimator::from_session::OddViews(found).size();
+  std::string verdict = "frames and poses belong together, as far as pictures can tell";
+  if (!found.comparable)
+    verdict = "remark: whether frames and poses belong together cannot be told from " +
+              (check->frames_in_all < 2 ? Counted(check->frames_in_all, "frame")
+                                        : std::string("black pictures"));
+  else if (found.change)
+    verdict = "problem: " + estimator::from_session::WordsOfChange(found);
   else if (odd > 0)
-    std::cout << "problem: " << Counted(odd, "frame") << (odd == 1 ? " does" : " do")
-              << " not belong to the others" << std::endl;
-  else
-    std::cout << "frames and poses belong together, as far as pictures can tell" << std::endl;
-  return check->found.change || odd > 0 ? kIncomplete : kDone;
+    verdict = "problem: " + Counted(odd, "frame") + (odd == 1 ? " does" : " do") +
+              " not belong to the others";
+  else if (!found.seen)
+    verdict =
+        "problem: the target is hardly seen with these poses, and no change of them that was "
+        "tried shows it; check the poses, the target's size and the masks";
+  else if (!found.fits)
+    verdict = Format(
+        "remark: a fit leaves %.2g of white, and neither single frames nor a change of "
+        "all poses that was tried explain it: a surface or lights that the model has "
+        "not, or poses wrong in another way",
+        found.rms);
+  std::cout << verdict << std::endl;
+  return verdict.starts_with("problem") ? kIncomplete : kDone;
 }
 
 }  // namespace

@@ -298,6 +298,7 @@ CameraModel CameraModel::WithIntrinsics(std::vector<double> intrinsics) const {
 }
 
 CameraModel CameraModel::InBlocks(int block) const {
+  if (block == 1) return *this;
   CameraModel model = *this;
   model.width_ = width_ / block;
   model.height_ = height_ / block;

@@ -1,9 +1,7 @@
 #include "estimator/anytime.h"
 
-#include <algorithm>
 #include <utility>
 
-#include "base/statistics.h"
 #include "estimator/consistency/odd_frames.h"
 #include "estimator/notes.h"
 #include "estimator/observe/radiance_statistics.h"
@@ -11,12 +9,6 @@
 #include "estimator/residual_maps.h"
 
 namespace turnlight::estimator {
-namespace {
-
-constexpr double kOneFrame = 3.0;  // times the usual rms that one keyframe may leave
-
-}  // namespace
-
 void AnytimeEstimator::Add(const model::Keyframe& keyframe) {
   parts_.push_back(observe::BuildObservations({keyframe}, geometry_, rays_));
   signatures_.push_back(observe::ViewSignature(keyframe));
@@ -33,19 +25,23 @@ Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {
   if (!cold) options.warm_start = current_->ToScene();
   std::vector<observe::Observations> parts;
   std::vector<cv::Mat> signatures;
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
+  for (std::size_t k = 0; k < parts_.size() && !odd_.empty(); ++k) {
     if (odd_.contains(k)) continue;
     parts.push_back(parts_[k]);
     signatures.push_back(signatures_[k]);
   }
-  const observe::Observations all = observe::Concatenate(parts);
+  const observe::Observations all = observe::Concatenate(odd_.empty() ? parts_ : parts);
+  parts.clear();
   select::Refined refined;
-  auto estimate = EstimateObservations(all, signatures, options, nullptr, &refined);
+  auto estimate = EstimateObservations(all, odd_.empty() ? signatures_ : signatures, options,
+                                       nullptr, &refined);
   if (!estimate) return estimate;
-  std::vector<double> rms = RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
-  const double largest = *std::max_element(rms.begin(), rms.end());
-  doubtful = largest > kOneFrame * Median(rms) ||
-             (cold && Unexplained(estimate->rms, observe::EstimateNoise(all)));
+  const std::vector<double> rms =
+      RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
+  // What stood out before and was not odd is not looked at again with every keyframe.
+  doubtful = StandsOut(rms, rms.size() - 1) ||
+             (cold && (!odd_.empty() || OneStandsOut(rms) ||
+                       Unexplained(estimate->rms, observe::EstimateNoise(all))));
   return estimate;
 }
 
@@ -53,10 +49,8 @@ Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {
 bool AnytimeEstimator::LookForOddKeyframes() {
   if (parts_.size() < consistency::kFewestJudged) return false;
   const calib::RayGrid rays(small_->camera);
-  std::vector<model::Keyframe> keyframes;
-  for (const consistency::SmallView& view : small_->views)
-    keyframes.push_back(consistency::ToKeyframe(view, view.poses));
-  const observe::Observations all = observe::BuildObservations(keyframes, geometry_, rays);
+  const observe::Observations all =
+      observe::BuildObservations(consistency::ToKeyframes(*small_), geometry_, rays);
   const consistency::FramesJudged judged =
       consistency::JudgeFrames(*small_, all, geometry_, rays, {}, nullptr);
   std::map<std::size_t, std::string> odd;

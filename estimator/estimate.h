@@ -128,6 +128,9 @@ struct Estimate {
   model::Scene ToScene() const;
 };
 
+// Of how many frames that were left out a map is made.
+inline constexpr std::size_t kMostLeftOutMaps = 3;
+
 struct EstimateOutput {
   Estimate estimate;
   observe::IntensityMap map;
@@ -135,8 +138,8 @@ struct EstimateOutput {
   std::map<std::size_t, cv::Mat1f> residuals;
   // The same of frames that were left out because they do not belong to the others, by the number
   // that they have in the session.
-  std::map<std::size_t, cv::Mat1f> left_out;
-  double noise = 0.0;             // sigma of a value, radiance
+  std::map<std::size_t, cv::Mat1f> left_out;  // of at most kMostLeftOutMaps of them
+  double noise = 0.0;                         // sigma of a value, radiance
   std::vector<double> frame_rms;  // of what the model leaves of each keyframe; 0 of none
 };
 

@@ -9,6 +9,7 @@
 
 #include "base/format.h"
 #include "base/parallel.h"
+#include "estimator/estimate.h"
 #include "estimator/observe/keyframe_tracer.h"
 
 namespace turnlight::estimator {
@@ -30,7 +31,7 @@ constexpr double kOfSignature = 12.0;   // each pixel of a view's signature
 constexpr double kMostOfSignature = 1e5;
 constexpr double kOfSmallView = 20e6 / 36.0;  // each keyframe's, and what it is checked with
 constexpr double kOfResidual = 4.0;           // each pixel of a residual map
-constexpr double kResidualMaps = 6.0;
+constexpr double kResidualMaps = 6.0 + kMostLeftOutMaps;
 constexpr double kOfFace = 400.0;  // of a mesh
 
 constexpr int kGrid = 96;  // rays across and down a picture

@@ -1,15 +1,35 @@
 #include "estimator/residual_maps.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "base/statistics.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/solve/footprints.h"
 #include "estimator/solve/prediction.h"
 #include "estimator/solve/shadows.h"
 
 namespace turnlight::estimator {
+namespace {
+
+constexpr double kStandsOut = 3.0;  // times the median
+
+double MedianOfSeen(std::vector<double> rms) {
+  std::erase(rms, 0.0);
+  return Median(rms);
+}
+
+}  // namespace
+
+bool StandsOut(const std::vector<double>& rms, std::size_t keyframe) {
+  return rms[keyframe] > kStandsOut * MedianOfSeen(rms);
+}
+
+bool OneStandsOut(const std::vector<double>& rms) {
+  return !rms.empty() && *std::max_element(rms.begin(), rms.end()) > kStandsOut * MedianOfSeen(rms);
+}
 
 std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
                                               const model::Scene& scene,

@@ -22,6 +22,11 @@ std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
                                               const solve::EvaluateOptions& options, cv::Size size,
                                               const std::vector<std::size_t>& keyframes);
 
+// Whether a keyframe's rms, or any, is more than three times that of the median keyframe that shows
+// something.
+bool StandsOut(const std::vector<double>& rms, std::size_t keyframe);
+bool OneStandsOut(const std::vector<double>& rms);
+
 // Root mean square over a keyframe's pixels and channels; 0 where nothing is used.
 std::vector<double> RmsByKeyframe(const observe::Observations& all, const model::Scene& scene,
                                   const solve::EvaluateOptions& options);

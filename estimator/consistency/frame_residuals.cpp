@@ -129,8 +129,8 @@ Fit FitFrom(const observe::Observations& all, const model::Scene& from, const St
   return SolveFrom(observe::EvenSubsample(all, kSample, kSeed + 1, nullptr), from, stop);
 }
 
-model::Scene FitOn(const observe::Observations& all, const model::Scene& from,
-                   const StopFlag* stop) {
+model::Scene FitRobustly(const observe::Observations& all, const model::Scene& from,
+                         const StopFlag* stop) {
   const observe::Observations sample = observe::EvenSubsample(all, kSample, kSeed, nullptr);
   solve::SolveOptions options;
   options.max_iterations = 15;

@@ -49,7 +49,7 @@ Fit FitQuickly(const observe::Observations& all, model::ModelChoice choice, cons
 // From where a scene stands, to its end.
 Fit FitFrom(const observe::Observations& all, const model::Scene& from, const StopFlag* stop);
 // From where a scene stands, on a sample, with little weight on what fits badly.
-model::Scene FitOn(const observe::Observations& all, const model::Scene& from,
-                   const StopFlag* stop);
+model::Scene FitRobustly(const observe::Observations& all, const model::Scene& from,
+                         const StopFlag* stop);
 
 }  // namespace turnlight::estimator::consistency

@@ -18,7 +18,6 @@ constexpr double kWellLeft = 0.01;                        // of the level: no ot
 constexpr double kTimesUsual = 4.0, kSigmas = 6.0;
 constexpr double kLeastLeft = 0.004;  // of the level
 constexpr double kLeastGainStep = 0.03;
-constexpr double kLeastMaskStep = 0.05;
 constexpr std::size_t kNeighbours = 2;  // on each side
 
 double MedianOf(std::vector<double> values) { return Median(values); }
@@ -78,17 +77,13 @@ std::vector<double> GainSteps(const std::vector<FrameResidual>& residuals,
     for (std::size_t i = k + 1, found = 0; i < residuals.size() && found < kNeighbours; ++i)
       if (!aside[i]) around.push_back(residuals[i].gain), ++found;
     if (around.size() < 2) continue;
-    std::sort(around.begin(), around.end());
-    const std::size_t half = around.size() / 2;
-    const double middle =
-        around.size() % 2 == 1 ? around[half] : 0.5 * (around[half - 1] + around[half]);
-    steps[k] = residuals[k].gain - middle;
+    steps[k] = residuals[k].gain - InterpolatedQuantile(around, 0.5);
   }
   return steps;
 }
 
 struct Verdict {
-  std::vector<bool> odd;
+  std::vector<bool> odd, odd_mask;
   double usual = 0.0, level = 0.0;
 };
 
@@ -105,15 +100,20 @@ Verdict Judge(const std::vector<FrameResidual>& residuals, const std::vector<dou
   const std::vector<double> steps = GainSteps(residuals, out.odd);
   const double step_limit = std::max(kLeastGainStep, kSigmas * Scatter(steps));
   const double mask = MedianOf(on_mask);
-  const double mask_limit = std::max(kLeastMaskStep, kSigmas * Scatter(on_mask));
-  for (std::size_t k = 0; k < residuals.size(); ++k)
-    if (std::abs(steps[k]) > step_limit || std::abs(on_mask[k] - mask) > mask_limit)
-      out.odd[k] = true;
+  const double mask_limit = std::max(kMaskStep, kSigmas * Scatter(on_mask));
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    out.odd_mask.push_back(mask - on_mask[k] > mask_limit);
+    if (std::abs(steps[k]) > step_limit || out.odd_mask[k]) out.odd[k] = true;
+  }
   return out;
 }
 
 std::size_t CountOf(const std::vector<bool>& odd) {
   return static_cast<std::size_t>(std::count(odd.begin(), odd.end(), true));
+}
+
+bool TooMany(const std::vector<bool>& odd) {
+  return static_cast<double>(CountOf(odd)) > kMostOdd * static_cast<double>(odd.size());
 }
 
 std::vector<bool> Not(std::vector<bool> of) {
@@ -142,7 +142,7 @@ class Judging {
     for (int i = 0; i < kConcentrations && !StopRequested(stop_); ++i) {
       const std::vector<bool> core = Core(ResidualsOf(scene));
       if (core == before) break;
-      scene = FitOn(Only(all_, core), scene, stop_);
+      scene = FitRobustly(Only(all_, core), scene, stop_);
       before = core;
     }
     return scene;
@@ -177,30 +177,27 @@ class Judging {
     const double noise = observe::EstimateNoise(all_);
     out.noise = noise;
     out.scene = BestStart(of_all.scene, noise);
-    std::vector<bool> odd;
-    std::vector<FrameResidual> residuals;
-    for (int round = 0; round < kRounds && !StopRequested(stop_); ++round) {
-      residuals = ResidualsOf(out.scene);
-      const Verdict verdict = Judge(residuals, on_mask, noise);
-      out.usual = verdict.usual;
-      out.level = verdict.level;
-      const bool settled = verdict.odd == odd;
-      odd = verdict.odd;
-      if (settled || static_cast<double>(CountOf(odd)) > kMostOdd * static_cast<double>(odd.size()))
-        break;
+    std::vector<FrameResidual> residuals = ResidualsOf(out.scene);
+    Verdict verdict = Judge(residuals, on_mask, noise);
+    for (int round = 0; round < kRounds && !StopRequested(stop_) && !TooMany(verdict.odd);
+         ++round) {
+      const std::vector<bool> odd = verdict.odd;
       const Fit of_rest =
           CountOf(odd) == 0 ? of_all : FitAnew(Only(all_, Not(odd)), choice_, stop_);
       out.scene = of_rest.scene;
       out.rms_of_rest = of_rest.rms;
+      residuals = ResidualsOf(out.scene);
+      verdict = Judge(residuals, on_mask, noise);
+      if (verdict.odd == odd) break;
     }
-    out.odd = CountOf(odd);
-    if (static_cast<double>(out.odd) > kMostOdd * static_cast<double>(odd.size())) {
-      out.odd = 0;
-      out.rms_of_rest = out.rms_of_all;
-      odd.assign(odd.size(), false);
-    }
+    const bool none = TooMany(verdict.odd);
+    if (none) out.rms_of_rest = out.rms_of_all;
+    out.usual = verdict.usual;
+    out.level = verdict.level;
+    out.odd = none ? 0 : CountOf(verdict.odd);
     for (std::size_t k = 0; k < residuals.size(); ++k)
-      out.frames.push_back({residuals[k], on_mask[k], odd[k], {}});
+      out.frames.push_back(
+          {residuals[k], on_mask[k], !none && verdict.odd[k], !none && verdict.odd_mask[k], {}});
     return out;
   }
 
@@ -216,6 +213,7 @@ class Judging {
 FramesJudged JudgeFrames(const SmallViews& views, const observe::Observations& all,
                          const target::Geometry& geometry, const calib::RayGrid& rays,
                          const model::ModelChoice& choice, const StopFlag* stop) {
+  if (all.used < kFewestPixels) return {};
   FramesJudged out = Judging(views, all, choice, stop).Run(MasksOnTarget(views, geometry, rays));
   if (out.odd == 0 || StopRequested(stop)) return out;
   const std::vector<cv::Mat1f> models =

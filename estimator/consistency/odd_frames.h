@@ -16,8 +16,8 @@ namespace turnlight::estimator::consistency {
 struct FrameJudgement {
   FrameResidual residual;       // against the scene of the frames that are not odd
   double mask_on_target = 1.0;  // of what the target covers, inside the mask; 1 without a mask
-  bool odd = false;
-  std::string what;  // of an odd one: what is odd about it, "is black"
+  bool odd = false, odd_mask = false;  // odd_mask: by its mask
+  std::string what;                    // of an odd one: what is odd about it, "is black"
 };
 
 struct FramesJudged {
@@ -31,19 +31,22 @@ struct FramesJudged {
   std::size_t odd = 0;
 };
 
-// The fewest frames of which one can be told from the others, and the largest share of odd ones.
+// The fewest frames of which one can be told from the others, the fewest pixels of them, and the
+// largest share of odd ones.
 inline constexpr std::size_t kFewestJudged = 5;
+inline constexpr std::size_t kFewestPixels = 300;
 inline constexpr double kMostOdd = 1.0 / 3.0;
 
 // `all` are the observations of the views with their poses. A frame is odd if what is left of it is
 // at least four times the usual, beyond the frames' scatter, 0.4 % of the level and noise; if it is
 // brighter or dimmer than its neighbours by more than 3 % and six times the scatter of such
-// differences; or if its mask covers the target otherwise than the other masks do.
+// differences; or if its mask lets through less of the target than the other masks do.
 //
 // The scene is found by concentration: fitted to all, then to the seven tenths that it leaves least
 // of, until these are the same, and if much is left also from every third frame; then anew to all
 // that are not odd by it (Rousseeuw and Van Driessen, "Computing LTS Regression for Large Data
-// Sets", 2006). If more than kMostOdd are odd, none is. Deterministic for any number of threads.
+// Sets", 2006). If more than kMostOdd are odd, none is. Of fewer
+// than kFewestPixels nothing is said: no frames. Deterministic for any number of threads.
 FramesJudged JudgeFrames(const SmallViews& views, const observe::Observations& all,
                          const target::Geometry& geometry, const calib::RayGrid& rays,
                          const model::ModelChoice& choice, const StopFlag* stop);

@@ -16,8 +16,7 @@ constexpr double kExplained = 2.5;    // times the usual that may be left by wha
 constexpr double kEmpty = 0.03;       // of the model's level
 constexpr double kLeastEmpty = 0.08;  // of the target's rows or columns
 constexpr int kMostShift = 12;        // small pixels
-constexpr double kMaskStep = 0.05;
-constexpr double kRough = 0.3;  // of the level, what shading never shows
+constexpr double kRough = 0.3;        // of the level, what shading never shows
 
 double Level(const cv::Mat1f& model) {
   double sum = 0.0;
@@ -202,7 +201,7 @@ std::string Oddness::Shift(std::size_t k) const {
 
 std::string Oddness::Of(std::size_t k, const FrameJudgement& judged) const {
   const FrameResidual& residual = judged.residual;
-  if (residual.left <= kExplained * usual_ && judged.mask_on_target < 1.0 - kMaskStep)
+  if (judged.odd_mask)
     return Format(
         "has a mask that lets through %.0f %% of the target: check whether it is another frame's",
         100.0 * judged.mask_on_target);

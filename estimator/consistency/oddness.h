@@ -14,6 +14,9 @@ namespace turnlight::estimator::consistency {
 
 struct FrameJudgement;
 
+// How much less of the target than other masks one may let through.
+inline constexpr double kMaskStep = 0.05;
+
 // Per view, the share of what its target covers that is inside its mask.
 std::vector<double> MasksOnTarget(const SmallViews& views, const target::Geometry& geometry,
                                   const calib::RayGrid& rays);

@@ -30,6 +30,7 @@ struct Trial {
   const Explainer& explainer;
   Poses given;
   Order in_order;
+  const StopFlag* stop = nullptr;
   std::vector<PoseChange> found;
 };
 
@@ -39,7 +40,9 @@ Poses Map(const Poses& poses, const std::function<RigPoses(const RigPoses&)>& ch
   return out;
 }
 
+// With the stop flag set nothing is worth its time.
 double LeftBy(const Trial& trial, const Poses& poses) {
+  if (StopRequested(trial.stop)) return HUGE_VAL;
   return trial.explainer.Residual(trial.explainer.DesignOf(poses), trial.in_order);
 }
 
@@ -50,7 +53,6 @@ void Try(Trial& trial, const char* code, const std::string& words, const char* q
       {code, words, question, std::move(poses), trial.in_order, left, trial.found.size()});
 }
 
-// The angles times a factor: a coarse grid, and a fine one about 1 and about the coarse one's best.
 Poses Scaled(const Trial& trial, const Turning& turning, double factor) {
   Poses out;
   for (std::size_t k = 0; k < trial.given.size(); ++k)
@@ -82,6 +84,7 @@ Best Refined(Best best, double step, double finest, const std::function<double(d
   return best;
 }
 
+// A coarse grid, and a fine one about 1 and about the best.
 void TryFactors(Trial& trial, const Turning& turning) {
   const auto left = [&](double factor) { return LeftBy(trial, Scaled(trial, turning, factor)); };
   std::vector<double> coarse, fine;
@@ -118,13 +121,30 @@ void TryOffset(Trial& trial, const Turning& turning) {
       "check where the target stood at the angle 0.", offset(best.at));
 }
 
-// The order in which numbers sort as text: 0, 1, 10, 11, 2.
-Order TextOrder(std::size_t count) {
+// The order in which numbers from `first` on sort as text: 0, 1, 10, 11, 2 or 1, 10, 11, 2.
+Order TextOrder(std::size_t count, std::size_t first) {
   Order order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [](std::size_t a, std::size_t b) { return std::to_string(a) < std::to_string(b); });
+  std::sort(order.begin(), order.end(), [first](std::size_t a, std::size_t b) {
+    return std::to_string(a + first) < std::to_string(b + first);
+  });
   return order;
+}
+
+Order Inverse(const Order& order) {
+  Order out(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) out[order[k]] = k;
+  return out;
+}
+
+// Orders that come from sorting numbers as text, or from undoing that where it was not done.
+std::vector<Order> TextOrders(std::size_t count) {
+  std::vector<Order> out;
+  for (const std::size_t first : {std::size_t{0}, std::size_t{1}}) {
+    out.push_back(TextOrder(count, first));
+    out.push_back(Inverse(out.back()));
+  }
+  return out;
 }
 
 struct OrderWords {
@@ -152,10 +172,8 @@ OrderWords WordsOf(const SmallViews& views, const Order& picture) {
                    std::labs(by), by < 0 ? "before" : "after"),
             "check whether the list of pictures begins too early or too late."};
   }
-  Order inverse(count);
-  const Order text = TextOrder(count);
-  for (std::size_t k = 0; k < count; ++k) inverse[text[k]] = k;
-  if (picture == text || picture == inverse)
+  const std::vector<Order> as_text = TextOrders(count);
+  if (std::find(as_text.begin(), as_text.end(), picture) != as_text.end())
     return {"order-as-text", "with the pictures in the order of their numbers",
             "check whether they were sorted as text, 1, 10, 11, 2."};
   std::string list;
@@ -205,11 +223,7 @@ void TryOrders(Trial& trial, const std::optional<Turning>& turning) {
     for (std::size_t k = 0; k < count; ++k) shifted[k] = (k + shift) % count;
     AddOrder(trial, design, shifted);
   }
-  const Order text = TextOrder(count);
-  Order inverse(count);
-  for (std::size_t k = 0; k < count; ++k) inverse[text[k]] = k;
-  AddOrder(trial, design, text);
-  AddOrder(trial, design, inverse);
+  for (const Order& order : TextOrders(count)) AddOrder(trial, design, order);
   const Order tour = turning ? TourOfPictures(trial.views) : Order{};
   if (tour.empty()) return;
   const std::vector<Order> orders = OrdersOf(*turning, tour);
@@ -318,17 +332,14 @@ void TryPlace(Trial& trial) {
 
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
                                     const Explainer& explainer,
-                                    const std::vector<double>& angles_deg) {
-  Trial trial{views, geometry, explainer, {}, {}, {}};
-  for (const SmallView& view : views.views) trial.given.push_back(view.poses);
-  trial.in_order.resize(views.views.size());
-  std::iota(trial.in_order.begin(), trial.in_order.end(), std::size_t{0});
+                                    const std::vector<double>& angles_deg, const StopFlag* stop) {
+  Trial trial{views, geometry, explainer, PosesOf(views), InOrder(views), stop, {}};
   const auto turning = FindTurning(trial.given, angles_deg);
   if (turning) {
     TryAngles(trial, *turning);
     TryOffset(trial, *turning);
   }
-  if (views.views.size() > 2) TryOrders(trial, turning);
+  if (views.views.size() > 2 && !StopRequested(stop)) TryOrders(trial, turning);
   TryConventions(trial);
   TryUnits(trial);
   TryPlace(trial);

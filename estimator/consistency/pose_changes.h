@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/stop_flag.h"
 #include "calib/rig_geometry.h"
 #include "estimator/consistency/explanation.h"
 #include "estimator/consistency/small_views.h"
@@ -32,6 +33,6 @@ struct PoseChange {
 // the target elsewhere on the table.
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
                                     const Explainer& explainer,
-                                    const std::vector<double>& angles_deg);
+                                    const std::vector<double>& angles_deg, const StopFlag* stop);
 
 }  // namespace turnlight::estimator::consistency

@@ -21,43 +21,24 @@ constexpr double kSame = 1e-3;           // difference of what two changes leave
 constexpr double kWellExplained = 0.03;  // of the brightest radiance
 constexpr double kFits = 0.01, kFitsNoise = 2.0;  // of the level, and of the noise: what fits
 constexpr double kSeesEnough = 0.5;               // of the pixels that were seen without a change
-constexpr std::size_t kFewestPixels = 300;
+constexpr double kNothingLeft = 1e-3;             // of the level: nothing to explain
+constexpr double kBlack = 1e-7;
 
 struct Fitted {
   double rms = 0.0, brightest = 0.0;
   std::size_t pixels = 0;
-  model::Scene scene;  // in W
+  model::Scene scene;         // in W
+  bool nothing_left = false;  // that a change could explain
 };
-
-std::vector<model::Keyframe> KeyframesOf(const SmallViews& views,
-                                         const std::vector<calib::RigPoses>& poses,
-                                         const std::vector<std::size_t>& picture) {
-  std::vector<model::Keyframe> out;
-  for (std::size_t k = 0; k < poses.size(); ++k)
-    out.push_back(ToKeyframe(views.views[picture[k]], poses[k]));
-  return out;
-}
 
 Fitted FitChanged(const SmallViews& views, const PoseChange& change,
                   const target::Geometry& geometry, const calib::RayGrid& rays,
                   const model::ModelChoice& choice, const StopFlag* stop) {
   const observe::Observations all =
-      observe::BuildObservations(KeyframesOf(views, change.poses, change.picture), geometry, rays);
+      observe::BuildObservations(ToKeyframes(views, change.poses, change.picture), geometry, rays);
   if (all.used < kFewestPixels) return {};
   const Fit fit = FitQuickly(all, choice, stop);
   return {fit.rms, observe::BrightestRadiance(all), all.used, solve::ToWorld(fit.scene, all)};
-}
-
-std::vector<calib::RigPoses> GivenPoses(const SmallViews& views) {
-  std::vector<calib::RigPoses> out;
-  for (const SmallView& view : views.views) out.push_back(view.poses);
-  return out;
-}
-
-std::vector<std::size_t> InOrder(std::size_t count) {
-  std::vector<std::size_t> out(count);
-  for (std::size_t k = 0; k < count; ++k) out[k] = k;
-  return out;
 }
 
 struct Tried {
@@ -97,9 +78,9 @@ class Search {
   // Fits the most promising, one of each kind, and says which explains the pictures.
   void Run(const std::vector<double>& angles_deg, const Fitted& given, Consistency& out) {
     const Explainer explainer(views_, geometry_, rays_);
-    const std::vector<calib::RigPoses> poses = GivenPoses(views_);
-    out.left = explainer.Residual(explainer.DesignOf(poses), InOrder(poses.size()));
-    const std::vector<PoseChange> ranked = RankChanges(views_, geometry_, explainer, angles_deg);
+    out.left = explainer.Residual(explainer.DesignOf(PosesOf(views_)), InOrder(views_));
+    const std::vector<PoseChange> ranked =
+        RankChanges(views_, geometry_, explainer, angles_deg, stop_);
     std::vector<Tried> fitted;
     for (const PoseChange& change : ranked) {
       if (StopRequested(stop_)) return;
@@ -131,7 +112,7 @@ class Search {
   bool ExplainsAsTheyAre(const Fitted& with) const {
     if (as_they_are_.used < kFewestPixels) return false;
     const Fit fit = FitFrom(as_they_are_, solve::ToSolver(with.scene, as_they_are_), stop_);
-    return fit.rms * kExplains < with.rms;
+    return fit.rms * kExplains <= with.rms;
   }
   // Whether two changes leave the same of the pictures: they are the same to them.
   static bool Same(double a, double b) { return std::abs(a - b) <= kSame * std::max(a, b); }
@@ -145,7 +126,7 @@ class Search {
   static bool Explains(const Fitted& with, const Fitted& given) {
     if (with.rms > kWellExplained * with.brightest) return false;
     if (given.pixels == 0) return true;
-    return with.rms <= kExplains * given.rms &&
+    return !given.nothing_left && with.rms <= kExplains * given.rms &&
            static_cast<double>(with.pixels) >= kSeesEnough * static_cast<double>(given.pixels) &&
            with.brightest >= kSeesEnough * given.brightest;
   }
@@ -165,28 +146,35 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
                              const target::Geometry& geometry, const model::ModelChoice& choice,
                              bool all_changes, const StopFlag* stop) {
   Consistency out;
+  out.comparable = views.views.size() > 1 &&
+                   std::any_of(views.views.begin(), views.views.end(), [](const SmallView& view) {
+                     return cv::norm(view.radiance, cv::NORM_INF) > kBlack;
+                   });
+  if (!out.comparable) return out;
   const calib::RayGrid rays(views.camera);
-  const std::size_t count = views.views.size();
-  if (count < 2) return out;  // nothing to compare with
-  const observe::Observations all = observe::BuildObservations(
-      KeyframesOf(views, GivenPoses(views), InOrder(count)), geometry, rays);
+  const observe::Observations all = observe::BuildObservations(ToKeyframes(views), geometry, rays);
   Fitted given;
-  if (all.used >= kFewestPixels) {
-    if (count >= kFewestJudged) {
+  out.seen = all.used >= kFewestPixels;
+  double noise = 0.0, level = 0.0;
+  if (out.seen) {
+    noise = observe::EstimateNoise(all);
+    given = {0.0, observe::BrightestRadiance(all), all.used, {}};
+    level = given.brightest;
+    if (views.views.size() >= kFewestJudged) {
       out.frames = JudgeFrames(views, all, geometry, rays, choice, stop);
-      out.rms = out.frames.rms_of_all;
+      out.rms = out.frames.rms_of_rest;
+      level = out.frames.level;
     } else {
       out.rms = FitQuickly(all, choice, stop).rms;
     }
-    given = {out.rms, observe::BrightestRadiance(all), all.used, {}};
+    given.rms = out.rms;
+    out.fits = out.rms <= std::max(kFitsNoise * noise, kFits * level);
   }
   if (StopRequested(stop)) return out;
-  if (out.frames.odd > 0) {
-    given.rms = out.frames.rms_of_rest;
-    // Odd frames among others that fit are those frames' matter.
-    const double fits = std::max(kFitsNoise * out.frames.noise, kFits * out.frames.level);
-    if (given.rms <= fits && !all_changes) return out;
-  }
+  // Odd frames among others that fit are those frames' matter.
+  if (out.frames.odd > 0 && out.fits && !all_changes) return out;
+  given.nothing_left = out.seen && out.rms <= std::max(kFitsNoise * noise, kNothingLeft * level);
+  if (given.nothing_left && !all_changes) return out;
   Search(views, all, geometry, rays, choice, stop).Run(angles_deg, given, out);
   return out;
 }

@@ -22,8 +22,11 @@ struct TriedChange {
 };
 
 struct Consistency {
+  bool comparable = false;  // two views or more that are not all black; else all below is empty
+  bool seen = false;        // enough pixels see the target with the poses as they are
+  bool fits = false;  // a fit leaves noise, or 1 % of the level, of the frames that are not odd
   FramesJudged frames;
-  double rms = 0.0;                // what a fit with the poses as they are leaves
+  double rms = 0.0;                // what a fit with the poses as they are leaves of those frames
   double left = 0.0;               // and some lights (Explainer)
   std::vector<TriedChange> tried;  // best first; empty if the frames alone explain what is wrong
   // What explains the pictures: at most half of the residual is left, of what is seen not less.
@@ -32,7 +35,8 @@ struct Consistency {
   std::vector<std::string> alike;
 };
 
-// angles_deg: of each view, or empty. Never empty views. With stop set of no use.
+// angles_deg: of each view, or empty. all_changes: changes of poses are tried also where nothing is
+// left for them to explain. With stop set of no use.
 Consistency CheckConsistency(const SmallViews& views, const std::vector<double>& angles_deg,
                              const target::Geometry& geometry, const model::ModelChoice& choice,
                              bool all_changes, const StopFlag* stop);

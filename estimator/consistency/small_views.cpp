@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "base/parallel.h"
 #include "base/statistics.h"
 
 namespace turnlight::estimator::consistency {
@@ -45,7 +47,8 @@ SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t 
                 cv::Mat1b(rows, columns),
                 {keyframe.X_WC, keyframe.X_WT},
                 number};
-  for (int row = 0; row < rows; ++row)
+  ParallelFor(static_cast<std::size_t>(rows), [&](std::size_t r) {
+    const int row = static_cast<int>(r);
     for (int column = 0; column < columns; ++column) {
       double sum = 0.0;
       bool clipped = false, inside = true;
@@ -56,18 +59,41 @@ SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t 
           const float* value = image.ptr<float>(y) + static_cast<std::ptrdiff_t>(x) * channels;
           for (int c = 0; c < channels; ++c) sum += static_cast<double>(value[c]);
         }
-      clipped = clipped || !std::isfinite(sum);
-      out.radiance(row, column) = clipped && !std::isfinite(sum)
-                                      ? 0.0f
-                                      : static_cast<float>(sum / (block * block * channels));
-      out.clipped(row, column) = clipped ? 255 : 0;
+      const bool finite = std::isfinite(sum);
+      out.radiance(row, column) =
+          finite ? static_cast<float>(sum / (block * block * channels)) : 0.0f;
+      out.clipped(row, column) = clipped || !finite ? 255 : 0;
       out.mask(row, column) = inside ? 255 : 0;
     }
+  });
   return out;
 }
 
-model::Keyframe ToKeyframe(const SmallView& view, const calib::RigPoses& poses) {
-  return {{view.radiance, view.clipped, {}}, view.mask, poses.X_WC, poses.X_WT};
+std::vector<calib::RigPoses> PosesOf(const SmallViews& views) {
+  std::vector<calib::RigPoses> out;
+  for (const SmallView& view : views.views) out.push_back(view.poses);
+  return out;
+}
+
+std::vector<std::size_t> InOrder(const SmallViews& views) {
+  std::vector<std::size_t> out(views.views.size());
+  std::iota(out.begin(), out.end(), std::size_t{0});
+  return out;
+}
+
+std::vector<model::Keyframe> ToKeyframes(const SmallViews& views,
+                                         const std::vector<calib::RigPoses>& poses,
+                                         const std::vector<std::size_t>& picture) {
+  std::vector<model::Keyframe> out;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const SmallView& view = views.views[picture[k]];
+    out.push_back({{view.radiance, view.clipped, {}}, view.mask, poses[k].X_WC, poses[k].X_WT});
+  }
+  return out;
+}
+
+std::vector<model::Keyframe> ToKeyframes(const SmallViews& views) {
+  return ToKeyframes(views, PosesOf(views), InOrder(views));
 }
 
 }  // namespace turnlight::estimator::consistency

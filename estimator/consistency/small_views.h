@@ -36,7 +36,15 @@ int BlockFor(const calib::CameraModel& camera, const target::Geometry& geometry,
 // Pixels beyond the last whole block are left out.
 SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t number);
 
-// A small view as a keyframe with these poses.
-model::Keyframe ToKeyframe(const SmallView& view, const calib::RigPoses& poses);
+std::vector<calib::RigPoses> PosesOf(const SmallViews& views);
+// 0, 1, 2, ...: every view with its own picture.
+std::vector<std::size_t> InOrder(const SmallViews& views);
+
+// As keyframes with these poses; picture k is that of view picture[k].
+std::vector<model::Keyframe> ToKeyframes(const SmallViews& views,
+                                         const std::vector<calib::RigPoses>& poses,
+                                         const std::vector<std::size_t>& picture);
+// With their own.
+std::vector<model::Keyframe> ToKeyframes(const SmallViews& views);
 
 }  // namespace turnlight::estimator::consistency

@@ -143,12 +143,4 @@ calib::RigPoses Turned(const Turning& turning, const calib::RigPoses& poses, dou
                               : calib::RigPoses{poses.X_WC, about * poses.X_WT};
 }
 
-bool GoesRound(const Turning& turning) {
-  std::vector<double> sorted = turning.angle;
-  std::sort(sorted.begin(), sorted.end());
-  const double step = Span(sorted) / static_cast<double>(sorted.size() - 1);
-  const double gap = 2.0 * std::numbers::pi - Span(sorted);
-  return gap < 1.5 * step;
-}
-
 }  // namespace turnlight::estimator::consistency

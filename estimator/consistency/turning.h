@@ -26,7 +26,4 @@ std::optional<Turning> FindTurning(const std::vector<calib::RigPoses>& poses,
 // Keyframe k's poses with its angle changed by `by` radians.
 calib::RigPoses Turned(const Turning& turning, const calib::RigPoses& poses, double by);
 
-// Whether the angles, in steps of what is usual among them, go all the way round.
-bool GoesRound(const Turning& turning);
-
 }  // namespace turnlight::estimator::consistency

@@ -6,21 +6,16 @@
 #include "base/format.h"
 #include "base/messages/messages.h"
 #include "base/statistics.h"
-#include "calib/radiometry.h"
 #include "estimator/consistency/oddness.h"
+#include "estimator/from_session/session_keyframe.h"
 #include "estimator/notes.h"
+#include "estimator/residual_maps.h"
 
 namespace turnlight::estimator::from_session {
 namespace {
 
-constexpr double kOneFrame = 3.0;      // times the usual rms that one frame may leave
-constexpr double kMaskStep = 0.05;     // of the target
 constexpr std::size_t kMostNamed = 6;  // odd frames in a note
 constexpr std::size_t kMostAlike = 2;
-
-double Largest(const std::vector<double>& values) {
-  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
-}
 
 std::string NameOf(const rig::Session& session, std::size_t frame) {
   const rig::FrameRecord& record = session.frames[frame];
@@ -48,12 +43,11 @@ void SmallCopies::Take(std::size_t keyframe, const model::Keyframe& full) {
 
 bool CallsForACheck(const EstimateOutput& output, const consistency::SmallViews& views,
                     const target::Geometry& geometry) {
-  std::vector<double> rms = output.frame_rms;
-  if (Unexplained(output.estimate.rms, output.noise) || Largest(rms) > kOneFrame * Median(rms))
-    return true;
+  if (Unexplained(output.estimate.rms, output.noise) || OneStandsOut(output.frame_rms)) return true;
   const calib::RayGrid rays(views.camera);
-  const std::vector<double> masks = consistency::MasksOnTarget(views, geometry, rays);
-  return Largest(masks) - *std::min_element(masks.begin(), masks.end()) > kMaskStep;
+  std::vector<double> masks = consistency::MasksOnTarget(views, geometry, rays);
+  const double least = *std::min_element(masks.begin(), masks.end());
+  return Median(masks) - least > consistency::kMaskStep;
 }
 
 std::vector<std::size_t> OddViews(const consistency::Consistency& found) {
@@ -108,13 +102,12 @@ Result<ModelCheck> CheckModel(const std::filesystem::path& folder, const StopFla
   SmallCopies copies(*session, frames, poses, geometry);
   for (const std::size_t k : frames) {
     if (StopRequested(stop)) return InterruptedError();
-    const auto images = rig::ReadFrameImages(*session, k);
-    if (!images) return Forward(images);
-    const rig::FrameRecord& frame = session->frames[k];
-    copies.Take(k, {calib::Linearise(images->image, session->radiometry, frame.exposure),
-                    images->mask, frame.X_WC, frame.X_WT});
+    const auto keyframe = ReadKeyframe(*session, k);
+    if (!keyframe) return Forward(keyframe);
+    copies.Take(k, *keyframe);
   }
   ModelCheck out;
+  out.frames_in_all = frames.size();
   out.found =
       consistency::CheckConsistency(copies.views(), copies.angles_deg(), geometry, {}, true, stop);
   if (StopRequested(stop)) return InterruptedError();

@@ -39,7 +39,7 @@ class SmallCopies {
 };
 
 // Whether what an estimate leaves, of all frames or of one, is more than noise, or one frame's mask
-// is unlike the others'.
+// lets through less of the target than the others'.
 bool CallsForACheck(const EstimateOutput& output, const consistency::SmallViews& views,
                     const target::Geometry& geometry);
 
@@ -63,7 +63,8 @@ struct ModelCheck {
     std::string file;
     consistency::FrameJudgement judged;
   };
-  std::vector<Frame> frames;  // empty if there are too few to judge one by the others
+  std::vector<Frame> frames;  // empty if they cannot be judged by each other
+  std::size_t frames_in_all = 0;
   consistency::Consistency found;
 };
 // Fails with kInput as reading does, and with kInterrupted.

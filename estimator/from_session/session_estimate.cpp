@@ -13,6 +13,7 @@
 #include "estimator/baseline/paper_estimate.h"
 #include "estimator/from_session/calibration_errors.h"
 #include "estimator/from_session/frame_doubts.h"
+#include "estimator/from_session/session_keyframe.h"
 #include "estimator/memory_need.h"
 #include "estimator/residual_maps.h"
 #include "rig/session_calibration.h"
@@ -73,20 +74,22 @@ Result<std::vector<std::size_t>> ChooseFrames(const rig::Session& session, const
   return chosen;
 }
 
-// facts receives what the files say, each frame's as it is read.
-model::KeyframeSource FramesOf(const rig::Session& session, std::vector<std::size_t> chosen,
-                               std::shared_ptr<std::vector<rig::PictureFacts>> facts) {
-  model::KeyframeSource out;
-  for (const std::size_t i : chosen)
-    out.poses.push_back({session.frames[i].X_WC, session.frames[i].X_WT});
-  const auto shared = std::make_shared<const rig::Session>(session);
-  out.read = [shared, chosen = std::move(chosen), facts](std::size_t k) -> Result<model::Keyframe> {
-    const rig::FrameRecord& frame = shared->frames[chosen[k]];
-    const auto images = rig::ReadFrameImages(*shared, chosen[k]);
-    if (!images) return Forward(images);
-    (*facts)[k] = images->facts;
-    return model::Keyframe{calib::Linearise(images->image, shared->radiometry, frame.exposure),
-                           images->mask, frame.X_WC, frame.X_WT};
+// Some of a session's frames.
+struct Chosen {
+  std::vector<std::size_t> frames;
+  model::KeyframeSource keyframes;
+  // What their files say; filled in as they are read.
+  std::shared_ptr<std::vector<rig::PictureFacts>> facts;
+};
+
+Chosen Choose(const std::shared_ptr<const rig::Session>& session, std::vector<std::size_t> frames) {
+  Chosen out{std::move(frames), {}, nullptr};
+  out.facts = std::make_shared<std::vector<rig::PictureFacts>>(out.frames.size());
+  for (const std::size_t i : out.frames)
+    out.keyframes.poses.push_back({session->frames[i].X_WC, session->frames[i].X_WT});
+  out.keyframes.read = [session, frames = out.frames,
+                        facts = out.facts](std::size_t k) -> Result<model::Keyframe> {
+    return ReadKeyframe(*session, frames[k], &(*facts)[k]);
   };
   return out;
 }
@@ -144,53 +147,54 @@ Status CheckFits(const rig::Session& session, const model::KeyframeSource& keyfr
   return CheckMemory(inputs, *options.max_memory);
 }
 
-// What is read of a session.
+// What is read of a session, but for its pictures.
 struct Loaded {
-  rig::Session session;
+  std::shared_ptr<const rig::Session> session;
   std::optional<rig::RigCalibration> calibration;
-  std::vector<std::size_t> chosen;  // frames
-  model::KeyframeSource keyframes;
   target::Geometry geometry;
   std::optional<rig::ClosureCheck> closure;
   std::vector<std::string> repairs;  // of the mesh
-  // Of the frames chosen; filled in as they are read.
-  std::shared_ptr<std::vector<rig::PictureFacts>> facts;
+  Chosen chosen;
 };
 
 Result<Loaded> Load(const std::filesystem::path& folder, const Options& options) {
-  auto session = rig::ReadSession(folder);
-  if (!session) return Forward(session);
+  auto read = rig::ReadSession(folder);
+  if (!read) return Forward(read);
+  const auto session = std::make_shared<const rig::Session>(std::move(*read));
   if (const Status status = CheckOptions(options); !status) return Forward(status);
-  auto chosen = ChooseFrames(*session, options);
-  if (!chosen) return Forward(chosen);
+  auto frames = ChooseFrames(*session, options);
+  if (!frames) return Forward(frames);
   auto calibration = rig::ReadSessionCalibration(*session);
   if (!calibration) return Forward(calibration);
   std::vector<std::string> repairs;
   auto shape = rig::ReadTarget(*session, &repairs);
   if (!shape) return Forward(shape);
-  auto facts = std::make_shared<std::vector<rig::PictureFacts>>(chosen->size());
-  model::KeyframeSource keyframes = FramesOf(*session, *chosen, facts);
+  Chosen chosen = Choose(session, std::move(*frames));
   target::Geometry geometry(std::move(*shape));
-  if (const Status status = CheckFits(*session, keyframes, geometry, options); !status)
+  if (const Status status = CheckFits(*session, chosen.keyframes, geometry, options); !status)
     return Forward(status);
   auto closure = rig::CheckClosure(folder);
   if (!closure) return Forward(closure);
   if (*closure && options.on_closure) options.on_closure(**closure);
-  return Loaded{std::move(*session),  std::move(*calibration), std::move(*chosen),
-                std::move(keyframes), std::move(geometry),     std::move(*closure),
-                std::move(repairs),   std::move(facts)};
+  return Loaded{session,
+                std::move(*calibration),
+                std::move(geometry),
+                std::move(*closure),
+                std::move(repairs),
+                std::move(chosen)};
 }
 
-Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const calib::RayGrid& rays,
-                                       const Options& options, const EstimateOptions& estimate) {
+Result<EstimateOutput> EstimateByPaper(const Loaded& loaded, const Chosen& chosen,
+                                       const calib::RayGrid& rays, const Options& options,
+                                       const EstimateOptions& estimate) {
   const auto distance = FromMetres(options.ceiling_distance_m.value_or(kCeilingDistanceM),
-                                   loaded.session.length_unit);
+                                   loaded.session->length_unit);
   if (!distance) return Forward(distance);
   baseline::PaperOptions paper;
   paper.ceiling_distance = *distance;
-  paper.frame_numbers = loaded.chosen;
-  paper.up = baseline::PaperUp(loaded.keyframes.poses, loaded.geometry);
-  return baseline::EstimateByPaper(loaded.keyframes, loaded.geometry, rays, paper, estimate);
+  paper.frame_numbers = chosen.frames;
+  paper.up = baseline::PaperUp(chosen.keyframes.poses, loaded.geometry);
+  return baseline::EstimateByPaper(chosen.keyframes, loaded.geometry, rays, paper, estimate);
 }
 
 Stage StageOf(Part part) {
@@ -208,55 +212,64 @@ Stage StageOf(Part part) {
 }
 
 // copies (optional) receives the keyframes.
-Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const calib::RayGrid& rays,
-                                      const Options& options, Stages& stages, SmallCopies* copies) {
+Result<EstimateOutput> EstimateLoaded(const Loaded& loaded, const Chosen& chosen,
+                                      const calib::RayGrid& rays, const Options& options,
+                                      Stages& stages, SmallCopies* copies) {
   EstimateOptions estimate;
   estimate.most_pixels = options.most_pixels;
   estimate.residuals_of = options.residuals_of;
   estimate.watch.stop = options.stop;
   estimate.watch.on_part = [&](Part part) {
-    stages.Begin(StageOf(part), part == Part::kObserve ? loaded.keyframes.size() : 1);
+    stages.Begin(StageOf(part), part == Part::kObserve ? chosen.keyframes.size() : 1);
   };
   estimate.watch.on_keyframe = [&](std::size_t k, const model::Keyframe& keyframe) {
     if (copies) copies->Take(k, keyframe);
     stages.Step();
   };
   if (options.method == results::Method::kPaper)
-    return EstimateByPaper(loaded, rays, options, estimate);
+    return EstimateByPaper(loaded, chosen, rays, options, estimate);
   estimate.initial = options.initial;
   estimate.model = options.model;
-  estimate.frame_numbers = loaded.chosen;
+  estimate.frame_numbers = chosen.frames;
   std::optional<CalibrationErrors> errors;
   if (loaded.calibration) {
-    errors = ErrorsOf(*loaded.calibration, loaded.session, loaded.chosen, loaded.geometry);
+    errors = ErrorsOf(*loaded.calibration, *loaded.session, chosen.frames, loaded.geometry);
     if (!errors->items.empty()) estimate.calibration = &*errors;
   }
-  return EstimateScene(loaded.keyframes, loaded.geometry, rays, estimate);
+  return EstimateScene(chosen.keyframes, loaded.geometry, rays, estimate);
 }
 
-// The same without some of the keyframes.
-Loaded Without(const Loaded& loaded, const std::vector<std::size_t>& views) {
-  Loaded out{
-      loaded.session, loaded.calibration, {},     {}, target::Geometry(loaded.geometry.shape()),
-      loaded.closure, loaded.repairs,     nullptr};
-  for (std::size_t k = 0; k < loaded.chosen.size(); ++k)
-    if (!std::binary_search(views.begin(), views.end(), k)) out.chosen.push_back(loaded.chosen[k]);
-  out.facts = std::make_shared<std::vector<rig::PictureFacts>>(out.chosen.size());
-  out.keyframes = FramesOf(loaded.session, out.chosen, out.facts);
+std::vector<std::size_t> Without(const std::vector<std::size_t>& frames,
+                                 const std::vector<std::size_t>& views) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (!std::binary_search(views.begin(), views.end(), k)) out.push_back(frames[k]);
   return out;
 }
 
+// Of the first of them, as each takes the memory of a picture.
 Result<std::map<std::size_t, cv::Mat1f>> MapsOfLeftOut(const Loaded& loaded,
                                                        const calib::RayGrid& rays,
                                                        const std::vector<std::size_t>& views,
                                                        const model::Scene& scene) {
   std::map<std::size_t, cv::Mat1f> out;
-  for (const std::size_t k : views) {
-    const auto keyframe = loaded.keyframes.read(k);
+  for (std::size_t i = 0; i < std::min(views.size(), kMostLeftOutMaps); ++i) {
+    const auto keyframe = loaded.chosen.keyframes.read(views[i]);
     if (!keyframe) return Forward(keyframe);
-    out.emplace(loaded.chosen[k], ResidualMapOf(*keyframe, loaded.geometry, rays, scene));
+    out.emplace(loaded.chosen.frames[views[i]],
+                ResidualMapOf(*keyframe, loaded.geometry, rays, scene));
   }
   return out;
+}
+
+// The estimate with a note, or its refusal with the note's words.
+Result<EstimateOutput> With(const Note& note, Result<EstimateOutput> output) {
+  if (output) {
+    output->estimate.notes.push_back(note);
+  } else if (output.error().kind == ErrorKind::kNoEstimate) {
+    return NoEstimateError(output.error().text + " " + note.text);
+  }
+  return output;
 }
 
 // An estimate, or a refusal, that leaves doubts: frames that do not belong to the others are left
@@ -268,38 +281,31 @@ Result<EstimateOutput> LookCloser(Loaded& loaded, const calib::RayGrid& rays,
   const consistency::Consistency found = consistency::CheckConsistency(
       copies.views(), copies.angles_deg(), loaded.geometry, options.model, false, options.stop);
   if (StopRequested(options.stop)) return InterruptedError();
-  if (found.change) {
-    if (!output) return NoEstimateError(output.error().text + " " + WordsOfChange(found));
-    output->estimate.notes.push_back({"poses-doubtful", WordsOfChange(found)});
-    return output;
-  }
+  if (found.change) return With({"poses-doubtful", WordsOfChange(found)}, std::move(output));
   const std::vector<std::size_t> odd = OddViews(found);
   if (odd.empty()) return output;
   const bool by_hand = !options.frames.empty();
-  const Note note = NoteOfOddFrames(loaded.session, loaded.chosen, found, !by_hand);
-  if (by_hand) {
-    if (output) output->estimate.notes.push_back(note);
-    return output;
-  }
-  Loaded rest = Without(loaded, odd);
-  auto better = EstimateLoaded(rest, rays, options, stages, nullptr);
-  if (!better) return better;
-  if (options.residuals_of) {
+  const Note note = NoteOfOddFrames(*loaded.session, loaded.chosen.frames, found, !by_hand);
+  if (by_hand) return With(note, std::move(output));
+  if (output) *output = {};  // its maps are large
+  Chosen rest = Choose(loaded.session, Without(loaded.chosen.frames, odd));
+  auto better = EstimateLoaded(loaded, rest, rays, options, stages, nullptr);
+  if (better && options.residuals_of) {
     auto maps = MapsOfLeftOut(loaded, rays, odd, better->estimate.ToScene());
     if (!maps) return Forward(maps);
     better->left_out = std::move(*maps);
   }
-  better->estimate.notes.push_back(note);
-  loaded = std::move(rest);
-  return better;
+  loaded.chosen = std::move(rest);
+  return With(note, std::move(better));
 }
 
 Result<EstimateOutput> EstimateChecked(Loaded& loaded, const Options& options, Stages& stages) {
-  const calib::RayGrid rays(*loaded.session.camera);
+  const calib::RayGrid rays(*loaded.session->camera);
   if (options.method == results::Method::kPaper)
-    return EstimateLoaded(loaded, rays, options, stages, nullptr);
-  SmallCopies copies(loaded.session, loaded.chosen, loaded.keyframes.poses, loaded.geometry);
-  auto output = EstimateLoaded(loaded, rays, options, stages, &copies);
+    return EstimateLoaded(loaded, loaded.chosen, rays, options, stages, nullptr);
+  SmallCopies copies(*loaded.session, loaded.chosen.frames, loaded.chosen.keyframes.poses,
+                     loaded.geometry);
+  auto output = EstimateLoaded(loaded, loaded.chosen, rays, options, stages, &copies);
   const bool doubtful = output ? CallsForACheck(*output, copies.views(), loaded.geometry)
                                : output.error().kind == ErrorKind::kNoEstimate && copies.full();
   return doubtful ? LookCloser(loaded, rays, options, copies, std::move(output), stages)
@@ -324,7 +330,7 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   if (!loaded) return Forward(loaded);
   const double load_s = stopwatch.Seconds();
   auto output = EstimateChecked(*loaded, options, stages);
-  auto notes = rig::PictureNotes(loaded->session.radiometry, *loaded->facts);
+  auto notes = rig::PictureNotes(loaded->session->radiometry, *loaded->chosen.facts);
   if (!output) return tl::unexpected(WithNotes(output.error(), notes));
   stages.End();
   for (rig::PictureNote& note : notes)
@@ -333,9 +339,9 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});
   for (const std::string& repair : loaded->repairs)
     output->estimate.notes.push_back({"mesh-repaired", repair});
-  return SessionEstimate{std::move(loaded->session),  std::move(loaded->keyframes),
-                         std::move(loaded->geometry), std::move(*output),
-                         std::move(loaded->closure),  load_s};
+  return SessionEstimate{
+      *loaded->session,   std::move(loaded->chosen.keyframes), std::move(loaded->geometry),
+      std::move(*output), std::move(loaded->closure),          load_s};
 }
 
 }  // namespace turnlight::estimator::from_session

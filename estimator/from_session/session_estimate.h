@@ -62,7 +62,8 @@ struct Options {
 
 struct SessionEstimate {
   rig::Session session;
-  model::KeyframeSource keyframes;  // the frames chosen, in their order; read anew each time
+  // The frames chosen, less those that were left out, in their order; read anew each time.
+  model::KeyframeSource keyframes;
   target::Geometry geometry;
   EstimateOutput output;  // with a note if the capture did not close
   std::optional<rig::ClosureCheck> closure;

@@ -104,7 +104,7 @@ void CountValues(const model::Keyframe& keyframe, const cv::Mat1b& flags, FlagCo
 
 double ShareFromBehind(const model::Keyframe& keyframe, const target::Geometry& geometry,
                        const calib::RayGrid& rays) {
-  constexpr std::size_t kRays = 100'000;
+  constexpr std::size_t kRays = 10'000;
   const calib::Pose X_TC = keyframe.X_WT.Inverse() * keyframe.X_WC;
   const std::size_t pixels = keyframe.mask.total(), step = std::max<std::size_t>(1, pixels / kRays);
   std::size_t met = 0, behind = 0;

@@ -22,27 +22,6 @@ constexpr std::size_t kMaxKeyframes = 6;
 constexpr int kMinPanelWidth = 480;
 constexpr int kMaxPanelWidth = 960;
 
-// The same lens on pixels `factor` times as wide; what does not fill a whole pixel at the right and
-// bottom is left out. Every lens model of mrcal begins with fx, fy, cx, cy.
-std::optional<calib::CameraModel> Reduced(const calib::CameraModel& camera, int factor) {
-  if (factor == 1) return camera;
-  std::vector<double> intrinsics = camera.intrinsics();
-  for (int i = 0; i < 4; ++i) intrinsics[i] /= factor;
-  for (int i = 2; i < 4; ++i) intrinsics[i] += 0.5 / factor - 0.5;
-  std::string numbers;
-  for (const double value : intrinsics) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g,", value);
-    numbers += text;
-  }
-  const auto model = calib::CameraModel::FromString(
-      "{'lensmodel': '" + camera.lens_model() + "', 'extrinsics': [0,0,0,0,0,0], 'intrinsics': [" +
-          numbers + "], 'imagersize': [" + std::to_string(camera.width() / factor) + "," +
-          std::to_string(camera.height() / factor) + "]}",
-      "reduced camera");
-  return model ? std::optional(*model) : std::nullopt;
-}
-
 // The mean of each block of factor^2 values that are finite; `none` where there is none.
 template <int kChannels>
 cv::Mat ReducedMap(const cv::Mat& map, int factor, float none) {
@@ -211,9 +190,8 @@ Result<std::vector<NamedPicture>> MakePictures(const model::KeyframeSource& keyf
   const int width = camera.width() / reduce;
   const int enlarge = (kMinPanelWidth + width - 1) / width;
   const std::vector<std::size_t> shown = ShownKeyframes(keyframes.size());
-  const auto shown_camera = Reduced(camera, reduce);
-  if (!shown.empty() && shown_camera) {
-    const Status status = AddComparisons(keyframes, shown, geometry, *shown_camera,
+  if (!shown.empty()) {
+    const Status status = AddComparisons(keyframes, shown, geometry, camera.InBlocks(reduce),
                                          output.estimate.ToScene(), reduce, enlarge, pictures);
     if (!status) return Forward(status);
   }

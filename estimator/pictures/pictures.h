@@ -22,7 +22,7 @@ struct NamedPicture {
 // For at most six keyframes, number floor(i F / 6), NNN being the keyframe's number:
 //   comparison_NNN.png  original | relit | virtual sphere of the estimated material in the scene
 //   residual_NNN.png    observed minus model, grey
-// for each frame that was left out, NNN being its number in the session:
+// for the first three frames that were left out, NNN being their number in the session:
 //   residual_left_out_NNN.png
 // and once:
 //   intensity_map.png   intensity by reflected direction with the lights found

@@ -14,10 +14,8 @@ FramesJudged Judged(const Capture& capture) {
   const target::Geometry geometry(capture.session.target);
   const SmallViews views = SmallViewsOf(capture, geometry);
   const calib::RayGrid rays(views.camera);
-  std::vector<model::Keyframe> keyframes;
-  for (const SmallView& view : views.views) keyframes.push_back(ToKeyframe(view, view.poses));
-  return JudgeFrames(views, observe::BuildObservations(keyframes, geometry, rays), geometry, rays,
-                     {}, nullptr);
+  return JudgeFrames(views, observe::BuildObservations(ToKeyframes(views), geometry, rays),
+                     geometry, rays, {}, nullptr);
 }
 
 std::vector<std::size_t> OddOf(const FramesJudged& judged) {
@@ -79,6 +77,23 @@ TEST(OddFrames, AMaskOfAnotherFrameIsNamed) {
   const FramesJudged judged = Judged(capture);
   ASSERT_EQ(OddOf(judged), std::vector<std::size_t>{4});
   EXPECT_NE(judged.frames[4].what.find("mask"), std::string::npos) << judged.frames[4].what;
+}
+
+TEST(OddFrames, AFrameWithoutAMaskIsNotOddForThat) {
+  Capture capture = Captured(SmallCapture(7, Shape::kLump, 12));
+  GiveMasks(capture);
+  capture.session.frames[6].mask.setTo(255);
+  EXPECT_TRUE(OddOf(Judged(capture)).empty());
+}
+
+// A mask made from a dim picture is smaller: that is no fault of the mask.
+TEST(OddFrames, ADimFrameAmongMasksOfPicturesIsDim) {
+  Capture capture = Captured(SmallCapture(7, Shape::kLump, 12));
+  MakeOdd(capture, "dimmed", 5);
+  GiveMasks(capture);
+  const FramesJudged judged = Judged(capture);
+  ASSERT_EQ(OddOf(judged), std::vector<std::size_t>{5});
+  EXPECT_NE(judged.frames[5].what.find("dimmer"), std::string::npos) << judged.frames[5].what;
 }
 
 TEST(OddFrames, ALampThatDriftsAccusesNobody) {

@@ -47,8 +47,26 @@ TEST(PoseDoubts, ClaimNothingThatPicturesCannotShow) {
   EXPECT_FALSE(Checked(ball, true).change);
 }
 
+TEST(PoseDoubts, OfBlackPicturesAreNone) {
+  Capture capture = Captured(SmallCapture(5, Shape::kLump, 12));
+  for (std::size_t k = 0; k < 12; ++k) MakeOdd(capture, "black", k);
+  const Consistency found = Checked(capture, true);
+  EXPECT_FALSE(found.comparable);
+  EXPECT_FALSE(found.change);
+}
+
+TEST(PoseDoubts, OfAFewRightFramesAreNone) {
+  for (const int frames : {2, 3, 4}) {
+    const Consistency found = Checked(Captured(SmallCapture(5, Shape::kLump, frames)), true);
+    EXPECT_TRUE(found.comparable);
+    EXPECT_TRUE(found.frames.frames.empty());
+    EXPECT_FALSE(found.change) << frames;
+  }
+}
+
 TEST(PoseDoubts, OfOneFrameAreNone) {
   const Consistency found = Checked(Captured(SmallCapture(5, Shape::kSphere, 1)), true);
+  EXPECT_FALSE(found.comparable);
   EXPECT_FALSE(found.change);
   EXPECT_TRUE(found.tried.empty());
 }

@@ -10,6 +10,7 @@
 #include "estimator/from_session/session_estimate.h"
 #include "rig/session/image_file.h"
 #include "rig/sim/synthetic_session.h"
+#include "tests/estimator/consistency/mangled.h"
 
 namespace turnlight::estimator::from_session {
 namespace {
@@ -19,16 +20,8 @@ namespace fs = std::filesystem;
 class FrameDoubts : public testing::Test {
  protected:
   void SetUp() override {
-    rig::sim::SyntheticConfig config;
-    config.seed = 4;
-    config.target = rig::sim::Blob{40.0, 0.25, 64};
-    config.motion = {rig::sim::MotionKind::kTable, 12, 30.0, 480.0, 25.0, 0.0};
-    config.camera.width = 120;
-    config.camera.height = 90;
-    config.camera.focal_px = 360.0;
-    config.samples_per_side = 2;
-    config.sensor.noise_relative = 0.002;
-    ASSERT_TRUE(rig::sim::WriteSynthetic(config, root_));
+    ASSERT_TRUE(rig::sim::WriteSynthetic(
+        consistency::SmallCapture(4, consistency::Shape::kLump, 12), root_));
   }
   void TearDown() override { fs::remove_all(root_); }
 
@@ -78,9 +71,56 @@ TEST_F(FrameDoubts, AnEstimateIsAsIfOddFramesHadNeverBeenThere) {
   ASSERT_TRUE(without);
   EXPECT_EQ(NoteOf(*without, "frames-left-out"), nullptr);
   EXPECT_EQ(without->output.estimate.rms, found->output.estimate.rms);
+  ASSERT_EQ(without->output.estimate.lights.size(), found->output.estimate.lights.size());
   for (std::size_t l = 0; l < without->output.estimate.lights.size(); ++l)
     EXPECT_EQ(without->output.estimate.lights[l].light.direction,
               found->output.estimate.lights[l].light.direction);
+}
+
+TEST_F(FrameDoubts, FramesChosenByHandStayAndAreNamed) {
+  Blacken(7);
+  Options options;
+  for (std::size_t k = 0; k < 12; ++k)
+    if (k != 3) options.frames.push_back(k);
+  const auto found = EstimateSession(root_, options);
+  std::string words;
+  if (!found)
+    words = found.error().text;
+  else if (const Note* note = NoteOf(*found, "frames-odd"))
+    words = note->text;
+  EXPECT_NE(words.find("frame 7 (210.0 deg), frames/007.png, is black"), std::string::npos)
+      << words;
+  EXPECT_TRUE(!found || found->keyframes.size() == 11);
+}
+
+// Of the views 0, 2, 4, ...: numbers are those of the session.
+TEST_F(FrameDoubts, OddFramesAmongChosenViewsAreLeftOut) {
+  Blacken(4);
+  Options options;
+  options.views = 6;
+  const auto found = EstimateSession(root_, options);
+  ASSERT_TRUE(found) << found.error().text;
+  const Note* note = NoteOf(*found, "frames-left-out");
+  ASSERT_NE(note, nullptr);
+  EXPECT_NE(note->text.find("frame 4 (120.0 deg), frames/004.png, is black"), std::string::npos)
+      << note->text;
+  EXPECT_EQ(found->keyframes.size(), 5u);
+}
+
+TEST_F(FrameDoubts, TheCheckEndsWhenItIsTold) {
+  Blacken(7);
+  StopFlag stop(false);
+  Options options;
+  options.stop = &stop;
+  bool checking = false;
+  options.progress = [&](Stage stage, std::size_t, std::size_t) {
+    checking = checking || stage == Stage::kChecking;
+    if (checking) stop = true;
+  };
+  const auto found = EstimateSession(root_, options);
+  EXPECT_TRUE(checking);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().kind, ErrorKind::kInterrupted);
 }
 
 TEST_F(FrameDoubts, AWrongDirectionIsToldAndNothingIsChanged) {
