@@ -198,7 +198,7 @@ void AddRender(CLI::App& program, Action& action) {
   command
       ->add_option("--set", arguments->settings,
                    "Change a parameter; may be repeated. Keys: model, albedo, ambient, diffuse, "
-                   "specular, shininess, roughness_deg, light.N.intensity")
+                   "specular, shininess or alpha, f0, roughness_deg, light.N.intensity")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command

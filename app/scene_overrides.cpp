@@ -65,8 +65,32 @@ Status SetModel(const std::string& value, Reflectance& reflectance) {
   if (!model)
     return BadValue("model", value,
                     "one of " + Listed(estimator::results::AllWords<SpecularModel>()));
-  reflectance.specular_model = *model;
+  estimator::model::Lobe& lobe = reflectance.lobes[0];
+  // Of another kind of shape: as wide and as bright as it was.
+  const bool physical = estimator::model::FactsOf(*model).physical;
+  if (physical != estimator::model::FactsOf(lobe.model).physical)
+    lobe = estimator::model::Converted(lobe, *model);
+  lobe.model = *model;
   return {};
+}
+
+// shininess or alpha, whichever the lobe's model has.
+Status SetShape(const std::string& key, const std::string& value, estimator::model::Lobe& lobe) {
+  const auto& facts = estimator::model::FactsOf(lobe.model);
+  if (key != facts.shape_key)
+    return InputError("--set " + key + ": a lobe of " + facts.name + " has no " + key +
+                      ", allowed is " + facts.shape_key);
+  return SetNumber(key, value, facts.least_shape, facts.most_shape,
+                   Format("a number from %.10g to %.10g", facts.least_shape, facts.most_shape),
+                   lobe.shape);
+}
+
+Status SetF0(const std::string& value, estimator::model::Lobe& lobe) {
+  const auto& facts = estimator::model::FactsOf(lobe.model);
+  if (!facts.physical)
+    return InputError(std::string("--set f0: a lobe of ") + facts.name +
+                      " has no F0, allowed after --set model=ggx or beckmann");
+  return SetNumber("f0", value, 0.0, 1.0, "a number from 0 to 1", lobe.f0);
 }
 
 Status SetAlbedo(const std::string& value, Reflectance& reflectance) {
@@ -117,16 +141,13 @@ Status ApplySetting(const std::string& setting, Scene& scene) {
   if (key == "ambient") return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.ambient);
   if (key == "diffuse") return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.diffuse);
   if (key == "specular")
-    return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.specular);
-  if (key == "shininess")
-    return SetNumber(key, value, estimator::model::kMinShininess, estimator::model::kMaxShininess,
-                     Format("a number from %.10g to %.10g", estimator::model::kMinShininess,
-                            estimator::model::kMaxShininess),
-                     reflectance.shininess);
+    return SetNumber(key, value, 0.0, kInfinity, positive, reflectance.lobes[0].strength);
+  if (key == "shininess" || key == "alpha") return SetShape(key, value, reflectance.lobes[0]);
+  if (key == "f0") return SetF0(value, reflectance.lobes[0]);
   if (key == "roughness_deg") return SetRoughness(value, reflectance);
   if (key.starts_with("light.")) return SetLight(key, value, scene);
-  const std::vector<std::string> keys = {"model",         "albedo",           "ambient",
-                                         "diffuse",       "specular",         "shininess",
+  const std::vector<std::string> keys = {"model",         "albedo",           "ambient", "diffuse",
+                                         "specular",      "shininess",        "alpha",   "f0",
                                          "roughness_deg", "light.0.intensity"};
   const std::string nearest = Nearest(key, keys);
   if (!nearest.empty())

@@ -31,17 +31,11 @@ std::string ModelText(const Estimate& estimate) {
     text += " (" + std::to_string(near) + " near, " + std::to_string(distant) + " distant)";
   else
     text += near > 0 ? " (near)" : " (distant)";
-  text += estimate.reflectance.diffuse_model == estimator::model::DiffuseModel::kLambert
-              ? ", Lambert"
-              : ", Oren-Nayar";
-  switch (estimate.reflectance.specular_model) {
-    case estimator::model::SpecularModel::kNone:
-      return text + ", no highlight";
-    case estimator::model::SpecularModel::kPhong:
-      return text + " + Phong";
-    case estimator::model::SpecularModel::kBlinnPhong:
-      return text + " + Blinn-Phong";
-  }
+  const estimator::model::Reflectance& r = estimate.reflectance;
+  text += std::string(", ") + FactsOf(r.diffuse_model).name;
+  if (!r.lobes[0].present()) return text + ", no highlight";
+  for (const estimator::model::Lobe& lobe : r.lobes)
+    if (lobe.present()) text += std::string(" + ") + FactsOf(lobe.model).name;
   return text;
 }
 
@@ -75,6 +69,29 @@ std::string LightText(const Estimate& estimate, std::size_t i, const std::string
                    light.intensity_sigma.value_or(0.0));
 }
 
+std::string LobesText(const Estimate& estimate) {
+  std::string text;
+  for (std::size_t k = 0; k < estimator::model::kMostLobes; ++k) {
+    const estimator::model::Lobe& lobe = estimate.reflectance.lobes[k];
+    if (!lobe.present()) continue;
+    const estimator::model::reflectance::LobeFacts& facts = FactsOf(lobe.model);
+    const estimator::ReflectanceSigma::OfLobe& sigma = estimate.sigma.lobes[k];
+    const bool known = k > 0 || !estimator::IsUndetermined(estimate, "reflectance/lobe/fwhm_deg");
+    std::string values =
+        k > 0 ? Measure(lobe.strength, sigma.strength)
+              : MeasureOf(estimate, "reflectance/specular", lobe.strength, sigma.strength);
+    values += std::string(",  ") + facts.shape_key + " " +
+              (known ? Measure(lobe.shape, sigma.shape.value_or(0.0))
+                     : MeasureOf(estimate, "reflectance/lobe/fwhm_deg", lobe.shape,
+                                 sigma.shape.value_or(0.0)));
+    if (sigma.f0) values += ",  F0 " + Measure(lobe.f0, *sigma.f0);
+    if (known)
+      values += Format(" (highlight %.3g\u00b0 wide)", estimator::results::LobeWidthDeg(lobe));
+    text += Row("specular", values);
+  }
+  return text;
+}
+
 std::string ReflectanceText(const Estimate& estimate) {
   const estimator::model::Reflectance& r = estimate.reflectance;
   const auto of = [&](const std::string& key, double value, double sigma) {
@@ -93,13 +110,8 @@ std::string ReflectanceText(const Estimate& estimate) {
   const std::string text = Row("albedo", albedo) +
                            Row("ambient", of("ambient", r.ambient, estimate.sigma.ambient)) +
                            Row("diffuse", diffuse);
-  if (r.specular_model == estimator::model::SpecularModel::kNone)
-    return text + Row("specular", "none");
-  std::string specular = of("specular", r.specular, estimate.sigma.specular) + ",  shininess " +
-                         of("shininess", r.shininess, estimate.sigma.shininess.value_or(0.0));
-  if (!estimator::IsUndetermined(estimate, "reflectance/shininess"))
-    specular += Format(" (highlight %.3g\u00b0 wide)", estimator::results::LobeWidthDeg(r));
-  return text + Row("specular", specular);
+  if (!r.lobes[0].present()) return text + Row("specular", "none");
+  return text + LobesText(estimate);
 }
 
 // "direction of light 1: 0.12 deg, of that 0.1 deg from the pose of the camera (camera-pose): ...".

@@ -53,6 +53,10 @@ std::string StrictObject::Where(std::string_view key) const {
   return pointer.empty() ? text : text + ": " + PlainPointer(pointer);
 }
 
+void StrictObject::Adopt(const Status& inner) {
+  if (!inner && !error_) error_ = inner.error();
+}
+
 void StrictObject::RefuseText(std::string_view key, std::string_view text) {
   if (!error_) error_ = Error{ErrorKind::kInput, Where(key) + ": " + std::string(text)};
 }

@@ -78,6 +78,8 @@ class StrictObject {
   void Refuse(std::string_view key, std::string_view allowed);
   // Records a refusal in free words.
   void RefuseText(std::string_view key, std::string_view text);
+  // Takes over what an object within it refused.
+  void Adopt(const Status& inner);
   bool ok() const { return !error_; }
 
   // The first refusal, or the first unknown key, or success. Instead of a missing key its

@@ -123,7 +123,7 @@ Result<std::optional<uncertainty::CalibrationResponse>> RespondToCalibration(
   const model::Scene& scene = solution.scene;
   solve::EvaluateOptions options;
   options.huber = solution.evaluate.huber;
-  options.samples_per_side = solve::FootprintSamples(sample.pixels, scene.reflectance.shininess, 2);
+  options.samples_per_side = solve::FootprintSamples(sample.pixels, scene.reflectance, 2);
   options.shadows = solve::CastShadows(sample.pixels, scene);
   const uncertainty::ScoreProbe probe(sample.pixels, scene, options);
   const Fit fit{view, sample, scene, options, probe, all.level};

@@ -113,8 +113,8 @@ void AddLight(const Estimate& estimate, std::size_t i, double most, Unknowns& un
   unknowns.Add("products/diffuse/" + number, light.diffuse_product, light.diffuse_product_sigma,
                most, kDiffuseShare);
   // Without a highlight its product is 0, and the sigma says how much could have been overlooked.
-  const bool lobe = estimate.reflectance.specular_model != model::SpecularModel::kNone;
-  const double specular = light.specular_product, sigma = light.specular_product_sigma;
+  const bool lobe = estimate.reflectance.lobes[0].present();
+  const double specular = light.specular_product[0], sigma = light.specular_product_sigma[0];
   unknowns.Add("products/specular/" + number,
                lobe ? IsUnknownFactor(specular, sigma, most) : !(sigma <= most));
 }
@@ -129,12 +129,22 @@ void AddReflectance(const Estimate& estimate, double most, Unknowns& unknowns) {
     unknowns.Add("reflectance/roughness_deg",
                  !sigma.roughness ||
                      IsUnknown(RadToDeg(r.roughness), RadToDeg(*sigma.roughness), kMostRoughness));
-  if (r.specular_model == model::SpecularModel::kNone) return;
-  const bool peak = IsUnknownFactor(r.specular, sigma.specular, most);
-  const bool width = !sigma.shininess || *sigma.shininess > kUnknownFactor * r.shininess;
+  const model::Lobe& lobe = r.lobes[0];
+  if (!lobe.present()) return;
+  model::Lobe unit = lobe;
+  unit.strength = 1.0;
+  const double scale = model::LobePeak(unit);
+  const ReflectanceSigma::OfLobe& of_lobe = sigma.lobes[0];
+  const bool peak = IsUnknownFactor(scale * lobe.strength, scale * of_lobe.strength, most);
+  const bool width = !of_lobe.shape || *of_lobe.shape > kUnknownFactor * lobe.shape;
   unknowns.Add("reflectance/specular", peak);
   unknowns.Add("reflectance/lobe/peak", peak);
-  unknowns.Add("reflectance/shininess", width);
+  const model::reflectance::LobeFacts& facts = model::FactsOf(lobe.model);
+  if (!facts.physical) unknowns.Add("reflectance/shininess", width);
+  if (facts.physical || r.lobes[1].present()) {
+    unknowns.Add("reflectance/lobes/0/specular", peak);
+    unknowns.Add(std::string("reflectance/lobes/0/") + facts.shape_key, width);
+  }
   unknowns.Add("reflectance/lobe/fwhm_deg", width);
 }
 

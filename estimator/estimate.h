@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <map>
 #include <opencv2/core.hpp>
@@ -73,19 +74,26 @@ struct LightEstimate {
   std::optional<double> distance_min;  // 95 % bound; absent when the data give none
   std::optional<Eigen::Vector3d> position;
   std::optional<Eigen::Matrix3d> position_covariance;
+  // Per channel, the largest 1; of the strongest light white by the gauge.
+  Eigen::Vector3d colour_sigma = Eigen::Vector3d::Zero();  // 0 where it is white
   Eigen::Vector3d direction_at_reference = Eigen::Vector3d::UnitZ();
   std::optional<double> intensity_sigma;  // absent for the strongest light, which is the gauge
   // Products do not depend on the gauge: O k_d I_l (R, G, B) and k_s I_l.
   Eigen::Vector3d diffuse_product = Eigen::Vector3d::Zero();
   Eigen::Vector3d diffuse_product_sigma = Eigen::Vector3d::Zero();
-  double specular_product = 0.0;
-  double specular_product_sigma = 0.0;
+  std::array<double, model::kMostLobes> specular_product{};  // of each lobe
+  std::array<double, model::kMostLobes> specular_product_sigma{};
 };
 
 struct ReflectanceSigma {
   Eigen::Vector3d albedo = Eigen::Vector3d::Zero();
-  double ambient = 0.0, diffuse = 0.0, specular = 0.0;
-  std::optional<double> shininess, roughness;
+  double ambient = 0.0, diffuse = 0.0;
+  struct OfLobe {
+    double strength = 0.0;
+    std::optional<double> shape, f0;
+  };
+  std::array<OfLobe, model::kMostLobes> lobes{};
+  std::optional<double> roughness;
 };
 
 struct Note {

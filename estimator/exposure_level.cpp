@@ -10,11 +10,11 @@ constexpr double kDimmest = 0.02, kBrightest = 50.0;  // of white
 void Scale(uncertainty::Uncertainty& sigma, double by) {
   sigma.ambient *= by;
   sigma.diffuse *= by;
-  sigma.specular *= by;
+  for (uncertainty::LobeSigma& lobe : sigma.lobes) lobe.strength *= by;
   sigma.ambient_product *= by;
   for (uncertainty::LightSigma& light : sigma.lights) {
     light.diffuse_product *= by;
-    light.specular_product *= by;
+    for (double& sigma_of : light.specular_product) sigma_of *= by;
   }
 }
 
@@ -36,21 +36,22 @@ void Scale(observe::Observations& observations, double by) {
 void Scale(model::Reflectance& r, double by) {
   r.ambient *= by;
   r.diffuse *= by;
-  r.specular *= by;
+  for (model::Lobe& lobe : r.lobes) lobe.strength *= by;
 }
 
 void Scale(Estimate& estimate, double by) {
   Scale(estimate.reflectance, by);
   Scale(estimate.stat, by);
-  for (auto* sigma : {&estimate.sigma.ambient, &estimate.sigma.diffuse, &estimate.sigma.specular,
-                      &estimate.initial_rms, &estimate.rms})
+  for (auto* sigma :
+       {&estimate.sigma.ambient, &estimate.sigma.diffuse, &estimate.initial_rms, &estimate.rms})
     *sigma *= by;
+  for (ReflectanceSigma::OfLobe& lobe : estimate.sigma.lobes) lobe.strength *= by;
   for (auto* colour : {&estimate.ambient_product, &estimate.ambient_product_sigma}) *colour *= by;
   for (LightEstimate& light : estimate.lights) {
     light.diffuse_product *= by;
     light.diffuse_product_sigma *= by;
-    light.specular_product *= by;
-    light.specular_product_sigma *= by;
+    for (auto* products : {&light.specular_product, &light.specular_product_sigma})
+      for (double& product : *products) product *= by;
   }
   for (uncertainty::BudgetItem& item : estimate.budget) Scale(item.sigma, by);
   for (IterationRecord& record : estimate.history) record.rms *= by;

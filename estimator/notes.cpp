@@ -30,7 +30,7 @@ void AddViewsNote(Estimate& out) {
 
 void AddNotes(Estimate& out) {
   AddViewsNote(out);
-  if (out.reflectance.specular_model == model::SpecularModel::kNone)
+  if (out.reflectance.lobes[0].model == model::SpecularModel::kNone)
     AddNote("no-highlight", {}, out);
   if (out.channels == 1) AddNote("grey", {}, out);
   const bool any_distant = std::any_of(out.lights.begin(), out.lights.end(),
@@ -81,14 +81,12 @@ void AddThinnedNote(const observe::Observations& kept, std::size_t usable, Estim
 void AddFacetsNote(const calib::TargetShape& shape, Estimate& out) {
   const auto* mesh = std::get_if<calib::MeshShape>(&shape);
   const model::Reflectance& reflectance = out.reflectance;
-  if (mesh == nullptr || !mesh->normals_made || reflectance.specular <= 0.0 ||
-      reflectance.specular_model == model::SpecularModel::kNone)
+  if (mesh == nullptr || !mesh->normals_made || reflectance.lobes[0].strength <= 0.0 ||
+      !reflectance.lobes[0].present())
     return;
-  // The normals over which the highlight is above half of its peak. The mirrored ray turns by twice
-  // the angle of the normal, the half vector by the same.
-  const double half = model::LobeHalfWidth(reflectance.shininess);
-  const double highlight =
-      reflectance.specular_model == model::SpecularModel::kPhong ? half : 2.0 * half;
+  // The normals over which the highlight is above half of its peak: the mirrored ray turns by twice
+  // the angle of the normal, to both sides.
+  const double highlight = model::MirroredHalfWidth(reflectance.lobes[0]);
   const double turn = FacetTurn(*mesh);
   if (turn <= highlight) return;
   AddNote("facets-coarse",

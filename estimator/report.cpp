@@ -34,6 +34,7 @@ LightEstimate MakeLight(const uncertainty::ReportedLight& reported,
   }
   out.direction_at_reference = reported.direction_at_reference;
   if (!strongest) out.intensity_sigma = sigma.intensity;
+  out.colour_sigma = sigma.colour;
   out.diffuse_product = reported.diffuse_product;
   out.diffuse_product_sigma = sigma.diffuse_product;
   out.specular_product = reported.specular_product;
@@ -45,14 +46,18 @@ void FillSigmas(const uncertainty::Uncertainty& sigma, double specular_limit, Es
   out.sigma.albedo = sigma.albedo;
   out.sigma.ambient = sigma.ambient;
   out.sigma.diffuse = sigma.diffuse;
-  out.sigma.specular = sigma.specular;
   out.ambient_product_sigma = sigma.ambient_product;
-  if (out.reflectance.specular_model == model::SpecularModel::kNone) {
-    out.sigma.specular = specular_limit;
+  for (std::size_t k = 0; k < model::kMostLobes; ++k) {
+    const uncertainty::LobeSigma& lobe = sigma.lobes[k];
+    out.sigma.lobes[k].strength = lobe.strength;
+    if (!out.reflectance.lobes[k].present()) continue;
+    if (std::isfinite(lobe.shape)) out.sigma.lobes[k].shape = lobe.shape;
+    if (lobe.f0 > 0.0 && std::isfinite(lobe.f0)) out.sigma.lobes[k].f0 = lobe.f0;
+  }
+  if (!out.reflectance.lobes[0].present()) {
+    out.sigma.lobes[0].strength = specular_limit;
     for (LightEstimate& light : out.lights)
-      light.specular_product_sigma = specular_limit * light.light.intensity;
-  } else if (std::isfinite(sigma.shininess)) {
-    out.sigma.shininess = sigma.shininess;
+      light.specular_product_sigma[0] = specular_limit * light.light.intensity;
   }
   if (out.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar &&
       std::isfinite(sigma.roughness))
@@ -88,14 +93,14 @@ void FillBudgetOfHeld(const select::Refined& refined, const std::vector<std::siz
     ItemOf(uncertainty::LightsWords(), out).lights[i].inverse_distance =
         std::abs(refined.inverse_distance[l]);
   }
-  if (out.reflectance.specular_model != model::SpecularModel::kNone) return;
+  if (out.reflectance.lobes[0].model != model::SpecularModel::kNone) return;
   const double stat = refined.specular_sigma_stat, rest = Rest(refined.specular_sigma, stat);
   for (const auto& [words, sigma] :
        {std::pair(&uncertainty::NoiseWords(), stat), {&uncertainty::EarlierWords(), rest}}) {
     uncertainty::Uncertainty& item = ItemOf(*words, out);
-    item.specular = sigma;
+    item.lobes[0].strength = sigma;
     for (std::size_t i = 0; i < order.size(); ++i)
-      item.lights[i].specular_product = sigma * out.lights[i].light.intensity;
+      item.lights[i].specular_product[0] = sigma * out.lights[i].light.intensity;
   }
 }
 
@@ -126,10 +131,10 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
   for (std::size_t i = 0; i < order.size(); ++i)
     if (!refined.near[order[i]])
       out.stat.lights[i].inverse_distance = refined.inverse_distance_sigma_stat[order[i]];
-  if (out.reflectance.specular_model == model::SpecularModel::kNone) {
-    out.stat.specular = refined.specular_sigma_stat;
+  if (out.reflectance.lobes[0].model == model::SpecularModel::kNone) {
+    out.stat.lobes[0].strength = refined.specular_sigma_stat;
     for (std::size_t i = 0; i < order.size(); ++i)
-      out.stat.lights[i].specular_product =
+      out.stat.lights[i].specular_product[0] =
           refined.specular_sigma_stat * out.lights[i].light.intensity;
   }
   FillBudgetOfHeld(refined, order, out);

@@ -81,7 +81,7 @@ cv::Mat1f ResidualMapOf(const model::Keyframe& keyframe, const target::Geometry&
   const observe::Observations all = observe::BuildObservations({keyframe}, geometry, rays);
   const model::Scene own = solve::ToSolver(scene, all);
   solve::EvaluateOptions options;
-  options.samples_per_side = solve::FootprintSamples(all, own.reflectance.shininess, 2);
+  options.samples_per_side = solve::FootprintSamples(all, own.reflectance, 2);
   options.shadows = solve::CastShadows(all, own);
   return ResidualMaps(all, own, options, {rays.width(), rays.height()}, {0}).at(0);
 }

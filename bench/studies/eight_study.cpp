@@ -46,8 +46,8 @@ rig::sim::SyntheticConfig EightConfig(int arrangement, bool mesh, int views, dou
   material.albedo = {0.5, 0.45, 0.35};
   material.ambient = 0.1;
   material.diffuse = 0.2;
-  material.specular = 0.6;
-  material.shininess = 80.0;
+  material.lobes[0].strength = 0.6;
+  material.lobes[0].shape = 80.0;
   config.reflectance = material;
   config.sensor.black = 4096.0;
   config.sensor.noise_relative = noise;

@@ -44,12 +44,13 @@ Eigen::Vector3d Direction(double zenith_deg, double azimuth_deg) {
 
 void AddMaterialCells(std::vector<ExtremeCell>& cells) {
   AddValues(cells, "shininess", {0.5, 1, 2, 5, 20, 100, 500, 2000, 1e4, 1e5}, "",
-            [](SyntheticConfig& c, double n) { Material(c).shininess = n; });
-  Add(cells, "material", "k_s = 0", [](SyntheticConfig& c) { Material(c).specular = 0.0; });
+            [](SyntheticConfig& c, double n) { Material(c).lobes[0].shape = n; });
+  Add(cells, "material", "k_s = 0",
+      [](SyntheticConfig& c) { Material(c).lobes[0].strength = 0.0; });
   Add(cells, "material", "k_d = 0", [](SyntheticConfig& c) { Material(c).diffuse = 0.0; });
   Add(cells, "material", "k_a = 0", [](SyntheticConfig& c) { Material(c).ambient = 0.0; });
   Add(cells, "material", "ambient only", [](SyntheticConfig& c) {
-    Material(c).diffuse = Material(c).specular = 0.0;
+    Material(c).diffuse = Material(c).lobes[0].strength = 0.0;
     Material(c).ambient = 0.6;
   });
   AddValues(cells, "Oren-Nayar", {10, 30, 60, 90}, " deg", [](SyntheticConfig& c, double sigma) {
@@ -188,8 +189,8 @@ rig::sim::SyntheticConfig PlainConfig() {
   material.albedo = {0.8, 0.6, 0.45};
   material.ambient = 0.05;
   material.diffuse = 0.7;
-  material.specular = 0.3;
-  material.shininess = 40.0;
+  material.lobes[0].strength = 0.3;
+  material.lobes[0].shape = 40.0;
   config.reflectance = material;
   config.sensor.black = 4096.0;
   config.sensor.noise_relative = 0.002;

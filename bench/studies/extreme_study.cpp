@@ -22,8 +22,9 @@ bool Close(const estimator::model::Light& a, const estimator::model::Light& b, d
 // What of the truth can be known: a light that a surface does not reflect is none, and lights at
 // (nearly, if the estimate found fewer) the same place are one.
 void KeepKnowable(estimator::model::Scene& scene, std::size_t found) {
-  if (scene.reflectance.diffuse == 0.0 && scene.reflectance.specular == 0.0) scene.lights.clear();
-  const double width = 2.0 * estimator::model::LobeHalfWidth(scene.reflectance.shininess);
+  if (scene.reflectance.diffuse == 0.0 && scene.reflectance.lobes[0].strength == 0.0)
+    scene.lights.clear();
+  const double width = 2.0 * estimator::model::LobeHalfWidth(scene.reflectance.lobes[0]);
   const double angle = found < scene.lights.size() ? kOneLight * width : 1e-7;
   std::vector<estimator::model::Light> merged;
   for (const estimator::model::Light& light : scene.lights) {

@@ -90,8 +90,8 @@ Reflectance DrawMaterial(Draws& draw) {
   for (int c = 0; c < 3; ++c) material.albedo[c] = draw.Uniform(0.2, 0.9);
   material.ambient = draw.Uniform(0.01, 0.1);
   material.diffuse = draw.Uniform(0.3, 0.7);
-  material.specular = draw.Uniform(0.15, 0.6);
-  material.shininess = draw.Log(20.0, 300.0);
+  material.lobes[0].strength = draw.Uniform(0.15, 0.6);
+  material.lobes[0].shape = draw.Log(20.0, 300.0);
   if (draw.Chance(0.1)) {
     material.diffuse_model = estimator::model::DiffuseModel::kOrenNayar;
     material.roughness = DegToRad(draw.Uniform(10.0, 30.0));
@@ -133,7 +133,9 @@ bool FarEnough(const Light& light, const std::vector<Light>& others, double sepa
 // Lights that are far enough apart and whose highlights are seen; none if they found no place.
 std::vector<Light> DrawLights(Draws& draw, Kind kind, int count, double radius, double shininess,
                               const SeenSurface& seen) {
-  const double separation = kLobeWidths * 2.0 * estimator::model::LobeHalfWidth(shininess);
+  const double separation =
+      kLobeWidths * 2.0 *
+      estimator::model::LobeHalfWidth({estimator::model::SpecularModel::kPhong, 1.0, shininess});
   std::vector<Light> lights;
   for (int attempt = 0; attempt < kTriesPerLight * count; ++attempt) {
     if (static_cast<int>(lights.size()) == count) return lights;
@@ -159,7 +161,7 @@ std::optional<estimator::model::Scene> TryScene(std::uint64_t number, int attemp
   const bool clipped = draw.Chance(0.15);
   const double level = clipped ? draw.Uniform(1.1, 1.4) : draw.Uniform(0.7, 0.95);
   scene.reflectance = DrawMaterial(draw);
-  scene.lights = DrawLights(draw, kind, count, radius, scene.reflectance.shininess, seen);
+  scene.lights = DrawLights(draw, kind, count, radius, scene.reflectance.lobes[0].shape, seen);
   if (scene.lights.empty()) return std::nullopt;
   Expose(scene, seen, level);
   for (const Light& light : scene.lights)

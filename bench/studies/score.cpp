@@ -66,7 +66,7 @@ void CompareLight(const Scene& truth, const Json& result, const Match& match,
         At(At(At(products_stat, "diffuse_sigma"), match.found), c));
   }
   if (result["model"]["specular"] != "none")
-    Add(out, "specular", number, material.specular * light.intensity,
+    Add(out, "specular", number, material.lobes[0].strength * light.intensity,
         At(products["specular"], match.found), At(products["specular_sigma"], match.found),
         At(At(products_stat, "specular_sigma"), match.found));
 }
@@ -81,8 +81,8 @@ void CompareReflectance(const Scene& truth, const Json& result, std::vector<Quan
         material.albedo[static_cast<Eigen::Index>(c)] * material.ambient,
         At(products["ambient"], c), At(products["ambient_sigma"], c),
         At(At(At(products, "stat"), "ambient_sigma"), c));
-  if (material.specular > 0.0)
-    Add(out, "shininess", -1, material.shininess, found["shininess"],
+  if (material.lobes[0].strength > 0.0)
+    Add(out, "shininess", -1, material.lobes[0].shape, found["shininess"],
         At(found["sigma"], "shininess"), At(found_stat, "shininess"));
   if (material.diffuse_model == estimator::model::DiffuseModel::kOrenNayar)
     Add(out, "roughness_deg", -1, RadToDeg(material.roughness), At(found, "roughness_deg"),

@@ -88,8 +88,9 @@ double SeenSurface::HighlightPeak(const estimator::model::Scene& scene, const Li
     const double length = towards.norm();
     const double cosine = towards.dot(pixel.mirrored) / length;
     if (cosine <= 0.0 || towards.dot(pixel.normal) <= 0.0) continue;
-    peak = std::max(peak, scene.reflectance.specular * light.intensity / (length * length) *
-                              std::pow(cosine, scene.reflectance.shininess));
+    peak =
+        std::max(peak, scene.reflectance.lobes[0].strength * light.intensity / (length * length) *
+                           std::pow(cosine, scene.reflectance.lobes[0].shape));
   }
   return peak;
 }

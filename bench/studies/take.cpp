@@ -86,7 +86,7 @@ Json Describe(const rig::sim::SyntheticConfig& config) {
   json["sensor"] = SensorWord(config.sensor);
   json["noise"] = Rounded(config.sensor.noise_relative, 3);
   if (const auto* material = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
-    json["shininess"] = Rounded(material->shininess, 3);
+    json["shininess"] = Rounded(material->lobes[0].shape, 3);
     json["diffuse_true"] = estimator::results::WordOf(material->diffuse_model);
   }
   return json;

@@ -33,8 +33,8 @@ LightEstimate MakeLight(const model::Light& light, const observe::Observations& 
   out.direction_at_reference = (*out.position - observations.reference).normalized();
   out.diffuse_product = light.intensity * reflectance.diffuse * reflectance.albedo;
   out.diffuse_product_sigma = kUnknownColour;
-  out.specular_product = light.intensity * reflectance.specular;
-  out.specular_product_sigma = kUnknown;
+  out.specular_product[0] = light.intensity * reflectance.lobes[0].strength;
+  out.specular_product_sigma.fill(kUnknown);
   return out;
 }
 
@@ -69,7 +69,7 @@ void FillFromPaper(const observe::Observations& observations, const PaperSolutio
   out.ambient_product = world.reflectance.ambient * world.reflectance.albedo;
   out.ambient_product_sigma = kUnknownColour;
   out.sigma.albedo = kUnknownColour;
-  out.sigma.ambient = out.sigma.diffuse = out.sigma.specular = kUnknown;
+  out.sigma.ambient = out.sigma.diffuse = out.sigma.lobes[0].strength = kUnknown;
   out.has_sigmas = false;
   out.condition = kUnknown;
   out.ladder.push_back({"lights", true, CountText(solution)});

@@ -98,7 +98,7 @@ PaperProblem::PaperProblem(const observe::Observations& observations,
     : observations_(observations),
       directions_(std::move(directions)),
       radius_(observations.radius / ceiling_distance),
-      nearest_distance_(radius_ / solve::kMaxInverseDistance) {}
+      nearest_distance_(radius_ / model::kMaxInverseDistance) {}
 
 Eigen::VectorXd PaperProblem::Start() const {
   Eigen::VectorXd start = Eigen::VectorXd::Constant(count(), 0.5);
@@ -131,28 +131,28 @@ model::Scene PaperProblem::ToScene(const Eigen::VectorXd& variables) const {
   for (int c = 0; c < 3; ++c) r.albedo[c] = variables[Colour(c < observations_.channels ? c : 0)];
   r.ambient = variables[Ambient()];
   r.diffuse = variables[Diffuse()];
-  r.specular = variables[Specular()];
-  r.shininess = kMaxPaperShininess * variables[Shininess()];
+  r.lobes[0].strength = variables[Specular()];
+  r.lobes[0].shape = kMaxPaperShininess * variables[Shininess()];
   return scene;
 }
 
 double PaperProblem::Cost(const Eigen::VectorXd& variables, Eigen::VectorXd* gradient) const {
+  const model::Scene scene = ToScene(variables);
   solve::EvaluateOptions gradient_only;
   gradient_only.gradient_only = true;
-  const solve::NormalEquations sums =
-      solve::Evaluate(observations_, ToScene(variables), gradient_only);
+  const solve::NormalEquations sums = solve::Evaluate(observations_, scene, gradient_only);
   // The kernel's cost is half the sum of squares.
   const double scale = 2.0 / (static_cast<double>(observations_.used) * observations_.channels);
   if (!gradient) return scale * sums.cost;
-  const solve::Columns columns{observations_.channels, static_cast<int>(directions_.size())};
+  const model::Parameters parameters(scene, observations_.channels);
   gradient->resize(count());
   gradient->head(Shininess()) = sums.gradient.head(Shininess());
-  (*gradient)[Shininess()] = sums.gradient[columns.LogShininess()] / variables[Shininess()];
-  for (int l = 0; l < columns.lights; ++l) {
+  (*gradient)[Shininess()] = sums.gradient[parameters.Shape(0)] / variables[Shininess()];
+  for (int l = 0; l < parameters.lights(); ++l) {
     // I = s^-2 and rho = (R / d0) s^-1, s = d / d0.
     const double s = variables[Distance(l)];
-    (*gradient)[Distance(l)] = -2.0 / (s * s * s) * sums.gradient[columns.Intensity(l)] -
-                               radius_ / (s * s) * sums.gradient[columns.InverseDistance(l)];
+    (*gradient)[Distance(l)] = -2.0 / (s * s * s) * sums.gradient[parameters.Intensity(l)] -
+                               radius_ / (s * s) * sums.gradient[parameters.InverseDistance(l)];
   }
   *gradient *= scale;
   return scale * sums.cost;

@@ -58,7 +58,7 @@ std::vector<cv::Mat1f> ModelPictures(const observe::Observations& all, const mod
                                      cv::Size size) {
   solve::EvaluateOptions options;
   options.samples_per_side =
-      solve::FootprintSamples(all, scene.reflectance.shininess, all.subsampled ? 1 : 2);
+      solve::FootprintSamples(all, scene.reflectance, all.subsampled ? 1 : 2);
   options.shadows = solve::CastShadows(all, scene);
   const solve::Prediction model = solve::Predict(all, scene, options);
   std::vector<cv::Mat1f> out(all.tile_begin.size() - 1);

@@ -3,7 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/model/reflectance/models.h"
+#include "estimator/model/reflectance/scalar.h"
+
 namespace turnlight::estimator::model {
+namespace {
+
+using Numbers = reflectance::Scalar<double>;
+
+}  // namespace
 
 Light Recentred(const Light& light, const Eigen::Vector3d& new_origin) {
   const Eigen::Vector3d to_light = light.Toward(new_origin);
@@ -15,52 +23,119 @@ Light Recentred(const Light& light, const Eigen::Vector3d& new_origin) {
   return result;
 }
 
-double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
+const reflectance::LobeFacts& FactsOf(SpecularModel model) {
+  const reflectance::LobeFacts* facts = &reflectance::Phong::kFacts;
+  reflectance::Lobes::Visit(static_cast<int>(model) - 1,
+                            [&](auto lobe) { facts = &decltype(lobe)::kFacts; });
+  return *facts;
+}
+
+const reflectance::DiffuseFacts& FactsOf(DiffuseModel model) {
+  const reflectance::DiffuseFacts* facts = &reflectance::Lambert::kFacts;
+  reflectance::DiffuseModels::Visit(static_cast<int>(model),
+                                    [&](auto diffuse) { facts = &decltype(diffuse)::kFacts; });
+  return *facts;
+}
+
+double DiffuseTerm(const Reflectance& r, const Eigen::Vector3d& normal,
                    const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer) {
   const double nl = normal.dot(to_light);
   if (nl <= 0.0) return 0.0;
-  if (reflectance.diffuse_model == DiffuseModel::kLambert) return nl;
-  const double variance = reflectance.roughness * reflectance.roughness;
-  const double a = 1.0 - 0.5 * variance / (variance + 0.33);
-  const double b = 0.45 * variance / (variance + 0.09);
-  // cos(difference of azimuths) sin(alpha) tan(beta), alpha the larger angle and beta the smaller,
-  // without trigonometry: the first two factors with sin(beta) are l.v - (n.l)(n.v).
   const double nv = normal.dot(to_viewer);
-  const double projected = to_light.dot(to_viewer) - nl * nv;
-  return nl * (a + b * std::max(projected, 0.0) / std::max(nl, nv));
+  double constants[reflectance::kDiffuseConstants]{}, value = 0.0;
+  reflectance::DiffuseModels::Visit(static_cast<int>(r.diffuse_model), [&](auto diffuse) {
+    using Model = decltype(diffuse);
+    Model::FillConstants(r.roughness, constants);
+    value =
+        Model::template Evaluate<Numbers>(constants, {nl, nv, to_light.dot(to_viewer) - nl * nv})
+            .value;
+  });
+  return value;
 }
 
-double SpecularTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
+double SpecularTerm(const Lobe& lobe, const Eigen::Vector3d& normal,
                     const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer) {
-  if (normal.dot(to_light) <= 0.0) return 0.0;
-  // The cosine is taken from the chord between the two unit vectors: near 1 the dot product has
-  // lost what a large shininess needs.
-  switch (reflectance.specular_model) {
-    case SpecularModel::kNone:
-      return 0.0;
-    case SpecularModel::kPhong: {
-      const Eigen::Vector3d mirrored = 2.0 * normal.dot(to_viewer) * normal - to_viewer;
-      const double half_chord = 0.5 * (to_light - mirrored).squaredNorm();
-      return half_chord < 1.0 ? std::exp(reflectance.shininess * std::log1p(-half_chord)) : 0.0;
-    }
-    case SpecularModel::kBlinnPhong: {
-      const Eigen::Vector3d half = (to_light + to_viewer).normalized();
-      const double half_chord = 0.5 * (half - normal).squaredNorm();
-      return half_chord < 1.0 ? std::exp(reflectance.shininess * std::log1p(-half_chord)) : 0.0;
-    }
-  }
-  return 0.0;
+  const double nl = normal.dot(to_light), nv = normal.dot(to_viewer);
+  if (nl <= 0.0 || !lobe.present()) return 0.0;
+  double value = 0.0;
+  reflectance::Lobes::Visit(static_cast<int>(lobe.model) - 1, [&](auto of) {
+    using Model = decltype(of);
+    // The cosine is taken from the chord between the two unit vectors: near 1 the dot product has
+    // lost what a narrow lobe needs.
+    const bool mirrored = Model::kFacts.about_mirrored_view;
+    const Eigen::Vector3d axis = mirrored ? Eigen::Vector3d(2.0 * nv * normal - to_viewer) : normal;
+    const Eigen::Vector3d half =
+        mirrored ? to_light : Eigen::Vector3d((to_light + to_viewer).normalized());
+    value = Model::template Evaluate<Numbers>(
+                lobe.shape, lobe.f0,
+                {0.5 * (half - axis).squaredNorm(), nl, nv, to_viewer.dot(half), 1.0})
+                .value;
+  });
+  return value;
 }
 
-double LobeHalfWidth(double shininess) { return std::acos(std::exp2(-1.0 / shininess)); }
+double LobeHalfWidth(const Lobe& lobe) {
+  double width = reflectance::Phong::HalfWidth(lobe.shape);
+  reflectance::Lobes::Visit(static_cast<int>(lobe.model) - 1,
+                            [&](auto of) { width = decltype(of)::HalfWidth(lobe.shape); });
+  return width;
+}
+
+double MirroredHalfWidth(const Lobe& lobe) {
+  return (FactsOf(lobe.model).about_mirrored_view ? 1.0 : 2.0) * LobeHalfWidth(lobe);
+}
+
+double LobeInverseVariance(const Lobe& lobe) {
+  double inverse = reflectance::Phong::InverseVariance(lobe.shape);
+  reflectance::Lobes::Visit(static_cast<int>(lobe.model) - 1,
+                            [&](auto of) { inverse = decltype(of)::InverseVariance(lobe.shape); });
+  return inverse;
+}
+
+LobeSlopes LobeSlopesOf(const Lobe& lobe) {
+  // An exponent is an inverse variance, alpha goes with its root; what is normalised keeps its
+  // strength.
+  const bool power = FactsOf(lobe.model).cosine_power;
+  return {power ? 1.0 : -0.5, power ? lobe.strength : 0.0};
+}
+
+double LobePeak(const Lobe& lobe) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  return lobe.strength * SpecularTerm(lobe, up, up, up);
+}
+
+Lobe Converted(const Lobe& lobe, SpecularModel model) {
+  Lobe out = lobe;
+  out.model = model;
+  if (!out.present()) {
+    out.strength = 0.0;
+    return out;
+  }
+  const reflectance::LobeFacts &from = FactsOf(lobe.model), &to = FactsOf(model);
+  // Mirrored rays turn twice as fast as the normal.
+  const double scale =
+      (from.about_mirrored_view ? 4.0 : 1.0) / (to.about_mirrored_view ? 4.0 : 1.0);
+  const double inverse = scale * LobeInverseVariance(lobe);
+  reflectance::Lobes::Visit(static_cast<int>(model) - 1,
+                            [&](auto of) { out.shape = decltype(of)::ShapeOf(inverse); });
+  out.shape = std::clamp(out.shape, to.least_shape, to.most_shape);
+  const auto peak = [](Lobe of) {
+    of.strength = 1.0;
+    if (!of.present()) of.model = SpecularModel::kPhong;
+    return LobePeak(of);
+  };
+  out.strength = lobe.strength * (peak(lobe) / peak(out));
+  return out;
+}
 
 Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
                       const Eigen::Vector3d& normal_W, const Eigen::Vector3d& to_viewer_W,
                       LightMask visible) {
-  const Reflectance& reflectance = scene.reflectance;
+  const Reflectance& r = scene.reflectance;
   if (normal_W.dot(to_viewer_W) <= 0.0) return Eigen::Vector3d::Zero();
   Eigen::Vector3d diffuse = Eigen::Vector3d::Zero();
-  Eigen::Vector3d specular = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, kMostLobes> specular;
+  specular.fill(Eigen::Vector3d::Zero());
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
     if ((visible >> l & 1) == 0) continue;
     const Light& light = scene.lights[l];
@@ -68,12 +143,14 @@ Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
     const double squared = to_light.squaredNorm();
     const Eigen::Vector3d unit = to_light / std::sqrt(squared);
     const Eigen::Vector3d irradiance = light.intensity / squared * light.color;
-    diffuse += irradiance * DiffuseTerm(reflectance, normal_W, unit, to_viewer_W);
-    specular += irradiance * SpecularTerm(reflectance, normal_W, unit, to_viewer_W);
+    diffuse += irradiance * DiffuseTerm(r, normal_W, unit, to_viewer_W);
+    for (std::size_t k = 0; k < kMostLobes && r.lobes[k].present(); ++k)
+      specular[k] += irradiance * SpecularTerm(r.lobes[k], normal_W, unit, to_viewer_W);
   }
-  return reflectance.albedo.cwiseProduct(Eigen::Vector3d::Constant(reflectance.ambient) +
-                                         reflectance.diffuse * diffuse) +
-         reflectance.specular * specular;
+  Eigen::Vector3d sum =
+      r.albedo.cwiseProduct(Eigen::Vector3d::Constant(r.ambient) + r.diffuse * diffuse);
+  for (std::size_t k = 0; k < kMostLobes; ++k) sum += r.lobes[k].strength * specular[k];
+  return sum;
 }
 
 }  // namespace turnlight::estimator::model

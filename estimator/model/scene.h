@@ -1,16 +1,19 @@
 // The scene model (design, section 3): lights, reflectance, and what they make a surface point look
 // like. Plain values.
 //
-//   S_c(x) = O_c * ( k_a + k_d * sum_l I_l a_l(x) f_d ) + k_s * sum_l I_l a_l(x) f_s,
+//   S_c(x) = O_c * ( k_a + k_d * sum_l I_l a_l(x) f_d ) + sum_k k_s,k * sum_l I_l a_l(x) f_s,k,
 //   l ~ u_l - rho_l x,   a_l(x) = 1 / |u_l - rho_l x|^2
 //
 // x is relative to W's origin, in the session's length unit.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "estimator/model/reflectance/terms.h"
 
 namespace turnlight::estimator::model {
 
@@ -32,40 +35,72 @@ struct Light {
 // U = u - rho c, s = |U|, u' = U / s, rho' = rho / s, I' = I / s^2.
 Light Recentred(const Light& light, const Eigen::Vector3d& new_origin);
 
-enum class DiffuseModel { kLambert, kOrenNayar };
-enum class SpecularModel { kNone, kPhong, kBlinnPhong };
+// As reflectance/models.h numbers them; a lobe's number is one less.
+enum class DiffuseModel { kLambert, kOrenNayar, kCoated };
+enum class SpecularModel { kNone, kPhong, kBlinnPhong, kBeckmann, kGgx };
 
-// What a lobe may be: from hardly one to narrower than pixels.
+// What an exponent may be: from hardly a lobe to one that is narrower than pixels.
 inline constexpr double kMinShininess = 0.5;
 inline constexpr double kMaxShininess = 1e5;
+
+// One lobe: k_s f_s of the design. See reflectance/ for the formulas.
+struct Lobe {
+  SpecularModel model = SpecularModel::kNone;
+  double strength = 0.0;  // k_s >= 0
+  double shape = 1.0;     // the exponent n, or the roughness alpha; within the model's facts
+  double f0 = 1.0;  // of a physical lobe: F at normal incidence, 0 to 1; 1 is F = 1 everywhere
+
+  bool present() const { return model != SpecularModel::kNone; }
+};
+inline constexpr std::size_t kMostLobes = 2;
 
 struct Reflectance {
   Eigen::Vector3d albedo = Eigen::Vector3d::Ones();  // O, R G B
   double ambient = 0.0;                              // k_a
   double diffuse = 1.0;                              // k_d
-  double specular = 0.0;                             // k_s
-  double shininess = 1.0;                            // n, kMinShininess to kMaxShininess
   DiffuseModel diffuse_model = DiffuseModel::kLambert;
   double roughness = 0.0;  // Oren-Nayar's sigma, radians of facet slope; 0 is Lambert
-  SpecularModel specular_model = SpecularModel::kPhong;
+  // The second is there only beside the first.
+  std::array<Lobe, kMostLobes> lobes{Lobe{SpecularModel::kPhong}, Lobe{}};
 };
 
 struct Scene {
   std::vector<Light> lights;
   Reflectance reflectance;
+  // For a fit: the lights' colours are unknowns; else all are as they stand.
+  bool free_colours = false;
 };
 
-// f_d of the diffuse model for unit vectors: Lambert n.l, or the qualitative model of Oren and
-// Nayar, "Generalization of Lambert's Reflectance Model" (SIGGRAPH 1994), its factor 1/pi left out.
+// f_d of the diffuse model for unit vectors; 0 where the light is below the surface.
 double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
                    const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);
-// f_s of the specular model: Phong (r.v)^n, r mirroring l about the normal; Blinn-Phong (n.h)^n;
-// both un-normalised and without a factor n.l; or 0.
-double SpecularTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
+// f_s of one lobe; 0 without one.
+double SpecularTerm(const Lobe& lobe, const Eigen::Vector3d& normal,
                     const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);
 
-// The half-width of a lobe cos^n, radians: acos(2^(-1/n)).
-double LobeHalfWidth(double shininess);
+// What is known of a model besides its formula. The lobe's is not kNone.
+const reflectance::LobeFacts& FactsOf(SpecularModel model);
+const reflectance::DiffuseFacts& FactsOf(DiffuseModel model);
+
+// The angle between a lobe's axis (the mirrored view, or the normal) and what it is compared with
+// (the light, or the half vector) at which half of its peak is left, radians; without a model that
+// of Phong.
+double LobeHalfWidth(const Lobe& lobe);
+// The same of the mirrored view against the light: twice as much about the normal.
+double MirroredHalfWidth(const Lobe& lobe);
+// One over the variance of the first angle, of the Gaussian with the same curvature at the peak.
+double LobeInverseVariance(const Lobe& lobe);
+// What a relative change of the inverse variance of a lobe of the same energy changes, for each
+// unit: the logarithm of its shape, and its strength.
+struct LobeSlopes {
+  double log_shape, strength;
+};
+LobeSlopes LobeSlopesOf(const Lobe& lobe);
+// k_s f_s where the viewer looks straight at the mirrored light, at normal incidence.
+double LobePeak(const Lobe& lobe);
+// A lobe of another model that is as wide and as bright at its peak. What has no model counts as
+// Phong.
+Lobe Converted(const Lobe& lobe, SpecularModel model);
 
 // At most this many lights in a scene: one bit each says which of them a point sees.
 inline constexpr std::size_t kMaxLights = 64;

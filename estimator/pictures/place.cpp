@@ -81,7 +81,7 @@ double Spared(const PictureView& view, const calib::PlaneShape& board, const Vec
   const Vector3d behind = eye + t * direction;
   if (!std::isfinite(t) || !OnBoard(board, view.X_WT.Inverse() * behind, 0.0)) return 0.0;
   model::Scene matte = view.scene;
-  matte.reflectance.specular = 0.0;
+  matte.reflectance.lobes[0].strength = 0.0;
   const double all = model::Shade(view.scene, behind, normal_W, -direction).sum();
   return all > 0.0 ? model::Shade(matte, behind, normal_W, -direction).sum() / all : 1.0;
 }

@@ -7,11 +7,13 @@
 
 #include "base/angles.h"
 #include "base/messages/messages.h"
+#include "estimator/results/scene_json.h"
 
 namespace turnlight::estimator::results {
 namespace {
 
 using nlohmann::ordered_json;
+namespace reflectance = model::reflectance;
 
 ordered_json ToJson(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
@@ -36,8 +38,11 @@ ordered_json ToJson(const std::optional<T>& value) {
   return value ? ToJson(*value) : ordered_json(nullptr);
 }
 
-bool HasLobe(const Estimate& estimate) {
-  return estimate.reflectance.specular_model != model::SpecularModel::kNone;
+bool HasLobe(const Estimate& estimate) { return estimate.reflectance.lobes[0].present(); }
+
+// Whether the first lobe's shape is what `shininess` says.
+bool HasShininess(const Estimate& estimate) {
+  return HasLobe(estimate) && !model::FactsOf(estimate.reflectance.lobes[0].model).physical;
 }
 
 bool IsOrenNayar(const Estimate& estimate) {
@@ -84,12 +89,18 @@ ordered_json ReflectanceBudget(const Estimate& estimate) {
   const auto of = [&](double Uncertainty::*member) {
     return BudgetOf(estimate, [member](const Uncertainty& sigma) { return sigma.*member; });
   };
+  const auto of_lobe = [&](double uncertainty::LobeSigma::*member) {
+    return BudgetOf(estimate,
+                    [member](const Uncertainty& sigma) { return sigma.lobes[0].*member; });
+  };
   ordered_json json;
   json["albedo"] = BudgetOf(estimate, [](const Uncertainty& sigma) { return sigma.albedo; });
   json["ambient"] = of(&Uncertainty::ambient);
   json["diffuse"] = of(&Uncertainty::diffuse);
-  json["specular"] = HasLobe(estimate) ? of(&Uncertainty::specular) : ordered_json(nullptr);
-  json["shininess"] = HasLobe(estimate) ? of(&Uncertainty::shininess) : ordered_json(nullptr);
+  json["specular"] =
+      HasLobe(estimate) ? of_lobe(&uncertainty::LobeSigma::strength) : ordered_json(nullptr);
+  json["shininess"] =
+      HasShininess(estimate) ? of_lobe(&uncertainty::LobeSigma::shape) : ordered_json(nullptr);
   if (IsOrenNayar(estimate))
     json["roughness_deg"] =
         BudgetOf(estimate, [](const Uncertainty& sigma) { return RadToDeg(sigma.roughness); });
@@ -106,7 +117,7 @@ ordered_json ProductsBudget(const Estimate& estimate) {
     json["diffuse_sigma"].push_back(BudgetOf(
         estimate, [i](const Uncertainty& sigma) { return sigma.lights[i].diffuse_product; }));
     json["specular_sigma"].push_back(BudgetOf(
-        estimate, [i](const Uncertainty& sigma) { return sigma.lights[i].specular_product; }));
+        estimate, [i](const Uncertainty& sigma) { return sigma.lights[i].specular_product[0]; }));
   }
   return json;
 }
@@ -117,7 +128,7 @@ ordered_json ModelToJson(const Estimate& estimate) {
   json["near"] = ordered_json::array();
   for (const LightEstimate& light : estimate.lights) json["near"].push_back(light.near);
   json["diffuse"] = WordOf(estimate.reflectance.diffuse_model);
-  json["specular"] = WordOf(estimate.reflectance.specular_model);
+  json["specular"] = WordOf(estimate.reflectance.lobes[0].model);
   json["albedo"] = "uniform";
   json["ladder"] = ordered_json::array();
   for (const model::Rung& rung : estimate.ladder)
@@ -157,12 +168,55 @@ ordered_json SigmaToJson(const Estimate& estimate, const ReflectanceSigma& sigma
   json["albedo"] = ToJson(sigma.albedo);
   json["ambient"] = ToJson(sigma.ambient);
   json["diffuse"] = ToJson(sigma.diffuse);
-  json["specular"] = HasLobe(estimate) ? ToJson(sigma.specular) : ordered_json(nullptr);
-  json["shininess"] = HasLobe(estimate) ? ToJson(sigma.shininess) : ordered_json(nullptr);
+  json["specular"] = HasLobe(estimate) ? ToJson(sigma.lobes[0].strength) : ordered_json(nullptr);
+  json["shininess"] = HasShininess(estimate) ? ToJson(sigma.lobes[0].shape) : ordered_json(nullptr);
   if (IsOrenNayar(estimate))
     json["roughness_deg"] =
         sigma.roughness ? ToJson(RadToDeg(*sigma.roughness)) : ordered_json(nullptr);
   return json;
+}
+
+ordered_json LobeSigmaToJson(const std::string& shape_key, bool has_f0, double strength,
+                             const std::optional<double>& shape, const std::optional<double>& f0) {
+  ordered_json json;
+  json["specular"] = ToJson(strength);
+  json[shape_key] = ToJson(shape);
+  if (has_f0) json["f0"] = ToJson(f0);
+  return json;
+}
+
+ordered_json LobesToJson(const Estimate& estimate) {
+  using uncertainty::LobeSigma;
+  ordered_json list = ordered_json::array();
+  for (std::size_t k = 0; k < model::kMostLobes; ++k) {
+    const model::Lobe& lobe = estimate.reflectance.lobes[k];
+    if (!lobe.present()) continue;
+    const reflectance::LobeFacts& facts = model::FactsOf(lobe.model);
+    ordered_json json{{"model", facts.word}, {"specular", ToJson(lobe.strength)}};
+    json[facts.shape_key] = ToJson(lobe.shape);
+    if (facts.physical) json["f0"] = ToJson(lobe.f0);
+    json["peak"] = ToJson(model::LobePeak(lobe));
+    json["fwhm_deg"] = ToJson(LobeWidthDeg(lobe));
+    const ReflectanceSigma::OfLobe& sigma = estimate.sigma.lobes[k];
+    json["sigma"] =
+        LobeSigmaToJson(facts.shape_key, facts.physical, sigma.strength, sigma.shape, sigma.f0);
+    if (estimate.has_sigmas) {
+      const LobeSigma& stat = estimate.stat.lobes[k];
+      json["sigma"]["stat"] =
+          LobeSigmaToJson(facts.shape_key, facts.physical, stat.strength, stat.shape,
+                          sigma.f0 ? std::optional(stat.f0) : std::nullopt);
+      const auto of = [&](double LobeSigma::*member) {
+        return BudgetOf(estimate, [k, member](const uncertainty::Uncertainty& item) {
+          return item.lobes[k].*member;
+        });
+      };
+      json["sigma"]["budget"] = ordered_json{{"specular", of(&LobeSigma::strength)}};
+      json["sigma"]["budget"][facts.shape_key] = of(&LobeSigma::shape);
+      if (facts.physical) json["sigma"]["budget"]["f0"] = of(&LobeSigma::f0);
+    }
+    list.push_back(std::move(json));
+  }
+  return list;
 }
 
 ordered_json ReflectanceToJson(const Estimate& estimate) {
@@ -171,18 +225,21 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
   json["albedo"] = ToJson(reflectance.albedo);
   json["ambient"] = ToJson(reflectance.ambient);
   json["diffuse"] = ToJson(reflectance.diffuse);
-  json["specular"] = HasLobe(estimate) ? ToJson(reflectance.specular) : ordered_json(0.0);
-  json["shininess"] = HasLobe(estimate) ? ToJson(reflectance.shininess) : ordered_json(nullptr);
+  json["specular"] = HasLobe(estimate) ? ToJson(reflectance.lobes[0].strength) : ordered_json(0.0);
+  json["shininess"] =
+      HasShininess(estimate) ? ToJson(reflectance.lobes[0].shape) : ordered_json(nullptr);
   if (IsOrenNayar(estimate)) json["roughness_deg"] = ToJson(RadToDeg(reflectance.roughness));
   json["lobe"] = nullptr;
   if (HasLobe(estimate))
-    json["lobe"] = ordered_json{{"peak", ToJson(reflectance.specular)},
-                                {"fwhm_deg", ToJson(LobeWidthDeg(reflectance))}};
+    json["lobe"] = ordered_json{{"peak", ToJson(model::LobePeak(reflectance.lobes[0]))},
+                                {"fwhm_deg", ToJson(LobeWidthDeg(reflectance.lobes[0]))}};
+  if (NeedsLobeList(reflectance)) json["lobes"] = LobesToJson(estimate);
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
   const uncertainty::Uncertainty& stat = estimate.stat;
   if (!estimate.has_sigmas) return json;
-  json["sigma"]["stat"] = SigmaToJson(estimate, {stat.albedo, stat.ambient, stat.diffuse,
-                                                 stat.specular, stat.shininess, stat.roughness});
+  ReflectanceSigma of_noise{stat.albedo, stat.ambient, stat.diffuse, {}, stat.roughness};
+  of_noise.lobes[0] = {stat.lobes[0].strength, stat.lobes[0].shape, std::nullopt};
+  json["sigma"]["stat"] = SigmaToJson(estimate, of_noise);
   json["sigma"]["budget"] = ReflectanceBudget(estimate);
   return json;
 }
@@ -196,8 +253,8 @@ ordered_json ProductsToJson(const Estimate& estimate) {
   for (const LightEstimate& light : estimate.lights) {
     json["diffuse"].push_back(ToJson(light.diffuse_product));
     json["diffuse_sigma"].push_back(ToJson(light.diffuse_product_sigma));
-    json["specular"].push_back(ToJson(light.specular_product));
-    json["specular_sigma"].push_back(ToJson(light.specular_product_sigma));
+    json["specular"].push_back(ToJson(light.specular_product[0]));
+    json["specular_sigma"].push_back(ToJson(light.specular_product_sigma[0]));
   }
   if (!estimate.has_sigmas) return json;
   ordered_json& stat = json["stat"];
@@ -205,7 +262,7 @@ ordered_json ProductsToJson(const Estimate& estimate) {
   stat["ambient_sigma"] = ToJson(estimate.stat.ambient_product);
   for (const uncertainty::LightSigma& light : estimate.stat.lights) {
     stat["diffuse_sigma"].push_back(ToJson(light.diffuse_product));
-    stat["specular_sigma"].push_back(ToJson(light.specular_product));
+    stat["specular_sigma"].push_back(ToJson(light.specular_product[0]));
   }
   json["budget"] = ProductsBudget(estimate);
   return json;
@@ -259,8 +316,8 @@ void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
   }
   ordered_json reflectance = json["reflectance"]["sigma"];
   for (const char* key : {"stat", "budget"}) reflectance.erase(key);
-  if (!HasLobe(estimate))
-    for (const char* key : {"specular", "shininess"}) reflectance.erase(key);
+  if (!HasLobe(estimate)) reflectance.erase("specular");
+  if (!HasShininess(estimate)) reflectance.erase("shininess");
   CollectNullSigmas(reflectance, "reflectance/sigma", list);
   ordered_json products = json["products"];
   for (const char* key : {"stat", "budget"}) products.erase(key);
@@ -283,9 +340,8 @@ ordered_json NotesToJson(const Estimate& estimate) {
 
 }  // namespace
 
-double LobeWidthDeg(const model::Reflectance& reflectance) {
-  const double half = RadToDeg(model::LobeHalfWidth(reflectance.shininess));
-  return reflectance.specular_model == model::SpecularModel::kBlinnPhong ? 4.0 * half : 2.0 * half;
+double LobeWidthDeg(const model::Lobe& lobe) {
+  return 2.0 * RadToDeg(model::MirroredHalfWidth(lobe));
 }
 
 std::string ResultToJson(const Estimate& estimate, const std::string& session_name, Method method,

@@ -30,6 +30,6 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
 
 // The full width at half maximum of the highlight in degrees, in the angle between the mirror
 // direction and the viewer. Blinn-Phong's half-angle is half of that angle, hence twice as wide.
-double LobeWidthDeg(const model::Reflectance& reflectance);
+double LobeWidthDeg(const model::Lobe& lobe);
 
 }  // namespace turnlight::estimator::results

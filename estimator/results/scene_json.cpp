@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -19,6 +20,8 @@ namespace {
 using model::DiffuseModel;
 using model::InitialGuess;
 using model::Light;
+using model::Lobe;
+namespace reflectance = model::reflectance;
 using model::Reflectance;
 using model::Scene;
 using model::SpecularModel;
@@ -154,12 +157,46 @@ double SpecularOf(StrictObject& object, SpecularModel model) {
   return object.Number("specular", {.min = 0.0});
 }
 
-// A lobe that is not there has no width: its shininess may be absent.
-double ShininessOf(StrictObject& object, double specular) {
-  if (specular > 0.0)
-    return object.Number("shininess", {.min = model::kMinShininess, .max = model::kMaxShininess});
-  return OptionalNumberOrNull(object, "shininess", {.min = 0.0, .max = model::kMaxShininess})
-      .value_or(1.0);
+// The keys of one lobe. One that is not there has no width: its shape may be absent.
+Lobe LobeOf(StrictObject& object, SpecularModel model) {
+  Lobe lobe{model, SpecularOf(object, model)};
+  const reflectance::LobeFacts& facts = model::FactsOf(model);
+  const char* key = facts.shape_key;
+  if (lobe.strength > 0.0)
+    lobe.shape = object.Number(key, {.min = facts.least_shape, .max = facts.most_shape});
+  else
+    lobe.shape =
+        OptionalNumberOrNull(object, key, {.min = 0.0, .max = facts.most_shape}).value_or(1.0);
+  if (facts.physical)
+    lobe.f0 = OptionalNumberOrNull(object, "f0", {.min = 0.0, .max = 1.0}).value_or(1.0);
+  return lobe;
+}
+
+// All lobes: those of `lobes`, if there is such a list, else the one that the other keys are of.
+std::array<Lobe, model::kMostLobes> LobesOf(StrictObject& object, SpecularModel first,
+                                            bool from_result) {
+  std::array<Lobe, model::kMostLobes> lobes{};
+  if (!object.Has("lobes")) {
+    lobes[0] = LobeOf(object, first);
+    return lobes;
+  }
+  for (const char* key : {"specular", "shininess"}) object.Ignore(key);
+  std::vector<StrictObject> list = object.Objects("lobes", 1);
+  if (list.size() > lobes.size()) {
+    object.RefuseText("lobes", std::to_string(list.size()) + " lobes, allowed are at most " +
+                                   std::to_string(lobes.size()));
+    return lobes;
+  }
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const auto model = ReadWord<SpecularModel>(list[k], "model");
+    if (list[k].ok() && model == SpecularModel::kNone)
+      list[k].RefuseText("model", "\"none\", allowed is any other model, or no such lobe");
+    lobes[k] = LobeOf(list[k], model);
+    if (from_result) list[k].AllowUnknown();
+    list[k].AllowPrefix("x-");
+    if (Status status = list[k].Finish(); !status) object.Adopt(status);
+  }
+  return lobes;
 }
 
 double RoughnessOf(StrictObject& object, DiffuseModel model) {
@@ -179,11 +216,15 @@ bool HasNull(const nlohmann::json& value) {
 // A value that the estimate did not determine: the first key that is null. None: "".
 std::string NullKeyOf(StrictObject& object, StrictObject& model) {
   std::vector<std::string> keys{"albedo", "ambient", "diffuse"};
-  if (model.Raw("specular") != WordOf(SpecularModel::kNone))
+  if (model.Raw("specular") != WordOf(SpecularModel::kNone) && !object.Has("lobes"))
     keys.insert(keys.end(), {"specular", "shininess"});
   if (model.Raw("diffuse") == WordOf(DiffuseModel::kOrenNayar)) keys.push_back("roughness_deg");
   for (const std::string& key : keys)
     if (object.Has(key) && HasNull(object.Raw(key))) return key;
+  if (!object.Has("lobes") || !object.Raw("lobes").is_array()) return "";
+  for (const nlohmann::json& lobe : object.Raw("lobes"))
+    for (const char* key : {"specular", "shininess", "alpha"})
+      if (lobe.is_object() && lobe.contains(key) && lobe[key].is_null()) return "lobes";
   return "";
 }
 
@@ -194,15 +235,14 @@ Result<std::optional<Reflectance>> ReadResultReflectance(StrictObject object, St
   if (!null_key.empty() && purpose == Purpose::kGuess) return std::optional<Reflectance>();
   if (!null_key.empty()) object.RefuseText(null_key, kNotDetermined);
   Reflectance reflectance;
-  reflectance.specular_model = ReadWord<SpecularModel>(model, "specular");
+  const auto first = ReadWord<SpecularModel>(model, "specular");
   reflectance.diffuse_model = ReadWord<DiffuseModel>(model, "diffuse");
   model.AllowUnknown();
   if (Status status = model.Finish(); !status) return Forward(status);
   reflectance.albedo = ToVector(object.Numbers("albedo", 3, {.min = 0.0}));
   reflectance.ambient = object.Number("ambient", {.min = 0.0});
   reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
-  reflectance.specular = SpecularOf(object, reflectance.specular_model);
-  reflectance.shininess = ShininessOf(object, reflectance.specular);
+  reflectance.lobes = LobesOf(object, first, true);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
@@ -252,18 +292,36 @@ nlohmann::ordered_json TruthLight(const Light& light) {
 
 }  // namespace
 
+bool NeedsLobeList(const Reflectance& r) {
+  return r.lobes[0].present() &&
+         (model::FactsOf(r.lobes[0].model).physical || r.lobes[1].present());
+}
+
+nlohmann::ordered_json LobeList(const Reflectance& r) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Lobe& lobe : r.lobes) {
+    if (!lobe.present()) continue;
+    const reflectance::LobeFacts& facts = model::FactsOf(lobe.model);
+    auto& json = list.emplace_back();
+    json["model"] = facts.word;
+    json["specular"] = lobe.strength;
+    json[facts.shape_key] = lobe.shape;
+    if (facts.physical) json["f0"] = lobe.f0;
+  }
+  return list;
+}
+
 Reflectance ReadReflectance(StrictObject& object) {
   Reflectance reflectance;
   // A truth may say "lambert" for a surface without a lobe.
   std::vector<std::string> models = AllWords<SpecularModel>();
   models.push_back(WordOf(DiffuseModel::kLambert));
-  reflectance.specular_model =
+  const auto first =
       ValueOf<SpecularModel>(object.Choice("model", models)).value_or(SpecularModel::kNone);
   reflectance.albedo = ToVector(object.Numbers("albedo", 3, {.min = 0.0}));
   reflectance.ambient = object.Number("ambient", {.min = 0.0});
   reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
-  reflectance.specular = SpecularOf(object, reflectance.specular_model);
-  reflectance.shininess = ShininessOf(object, reflectance.specular);
+  reflectance.lobes = LobesOf(object, first, false);
   reflectance.diffuse_model =
       ReadOptionalWord<DiffuseModel>(object, "diffuse_model").value_or(DiffuseModel::kLambert);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
@@ -302,17 +360,17 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   for (const Light& light : scene.lights) json["lights"].push_back(TruthLight(light));
   const Reflectance& r = scene.reflectance;
   auto& out = json["reflectance"];
-  out["model"] = WordOf(r.specular_model);
+  out["model"] = WordOf(r.lobes[0].model);
   out["albedo"] = VectorToJson(r.albedo);
   out["ambient"] = r.ambient;
   out["diffuse"] = r.diffuse;
-  const bool has_lobe = r.specular_model != SpecularModel::kNone;
-  out["specular"] = has_lobe ? r.specular : 0.0;
-  out["shininess"] = has_lobe ? nlohmann::ordered_json(r.shininess) : nullptr;
-  if (r.diffuse_model == DiffuseModel::kOrenNayar) {
-    out["diffuse_model"] = WordOf(r.diffuse_model);
-    out["roughness_deg"] = RadToDeg(r.roughness);
-  }
+  const Lobe& first = r.lobes[0];
+  out["specular"] = first.present() ? first.strength : 0.0;
+  const bool listed = NeedsLobeList(r);
+  out["shininess"] = first.present() && !listed ? nlohmann::ordered_json(first.shape) : nullptr;
+  if (listed) out["lobes"] = LobeList(r);
+  if (r.diffuse_model != DiffuseModel::kLambert) out["diffuse_model"] = WordOf(r.diffuse_model);
+  if (model::FactsOf(r.diffuse_model).has_shape) out["roughness_deg"] = RadToDeg(r.roughness);
   if (!note.empty()) json["note"] = note;
   return json.dump(1) + "\n";
 }

@@ -18,6 +18,7 @@
 // passed over: the rule is in result_json.h.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/result.h"
@@ -39,6 +40,11 @@ Result<model::InitialGuess> ParseInitialGuess(const std::string& text, const std
 // The text of a truth.json; ParseScene gives back the same bits in every number but roughness,
 // which passes through degrees.
 std::string TruthToJson(const model::Scene& scene, const std::string& note = "");
+
+// Whether the lobes are more than the keys specular and shininess can say, and the list that says
+// them: model, specular, shininess or alpha, f0.
+bool NeedsLobeList(const model::Reflectance& reflectance);
+nlohmann::ordered_json LobeList(const model::Reflectance& reflectance);
 
 // The keys of `reflectance` above, read from an object; refusals are left in the object.
 model::Reflectance ReadReflectance(StrictObject& object);

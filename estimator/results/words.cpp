@@ -1,20 +1,34 @@
 #include "estimator/results/words.h"
 
+#include "estimator/model/reflectance/models.h"
+
 namespace turnlight::estimator::results {
+
+namespace {
+
+// The words of the models that there are, after `first`.
+template <typename Model>
+std::vector<Word<Model>> WordsOfModels(std::vector<Word<Model>> first, int count) {
+  for (int i = 0; i < count; ++i) {
+    const auto model = static_cast<Model>(first.size());
+    first.push_back({model::FactsOf(model).word, model});
+  }
+  return first;
+}
+
+}  // namespace
 
 template <>
 std::span<const Word<model::SpecularModel>> Words() {
-  using enum model::SpecularModel;
-  static constexpr Word<model::SpecularModel> kWords[] = {
-      {"none", kNone}, {"phong", kPhong}, {"blinn-phong", kBlinnPhong}};
+  static const auto kWords = WordsOfModels<model::SpecularModel>(
+      {{"none", model::SpecularModel::kNone}}, model::reflectance::Lobes::kCount);
   return kWords;
 }
 
 template <>
 std::span<const Word<model::DiffuseModel>> Words() {
-  using enum model::DiffuseModel;
-  static constexpr Word<model::DiffuseModel> kWords[] = {{"lambert", kLambert},
-                                                         {"oren-nayar", kOrenNayar}};
+  static const auto kWords =
+      WordsOfModels<model::DiffuseModel>({}, model::reflectance::DiffuseModels::kCount);
   return kWords;
 }
 

@@ -31,9 +31,9 @@ struct Word {
 template <typename Value>
 std::span<const Word<Value>> Words() = delete;
 template <>
-std::span<const Word<model::SpecularModel>> Words();  // none, phong, blinn-phong
+std::span<const Word<model::SpecularModel>> Words();  // none, and every lobe
 template <>
-std::span<const Word<model::DiffuseModel>> Words();  // lambert, oren-nayar
+std::span<const Word<model::DiffuseModel>> Words();  // every diffuse model
 template <>
 std::span<const Word<solve::Stopped>>
 Words();  // converged, no-descent, iteration-limit, not-finite

@@ -72,7 +72,7 @@ void ChooseLoss(const observe::Observations& observations, double noise, Refined
 void ChooseSpecular(const observe::Observations& observations, Refined& out,
                     std::vector<model::Rung>& ladder) {
   const model::Scene& scene = out.solution.scene;
-  if (scene.reflectance.specular_model == model::SpecularModel::kNone) return;
+  if (!scene.reflectance.lobes[0].present()) return;
   const auto order = uncertainty::StrengthOrder(scene, observations);
   // The statistical sigma: a highlight that the model describes badly is a highlight nevertheless.
   const uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
@@ -82,13 +82,13 @@ void ChooseSpecular(const observe::Observations& observations, Refined& out,
   // The highlight as it is at the target, wherever W's origin is.
   double strongest = 0.0;
   for (const model::Light& light : scene.lights) strongest = std::max(strongest, light.intensity);
-  const double peak = scene.reflectance.specular * strongest;
+  const double peak = model::LobePeak(scene.reflectance.lobes[0]) * strongest;
   const double relative =
-      sigma.lights.empty() || !(reported.lights.front().specular_product > 0.0)
+      sigma.lights.empty() || !(reported.lights.front().specular_product[0] > 0.0)
           ? 1.0
-          : sigma.lights.front().specular_product / reported.lights.front().specular_product;
+          : sigma.lights.front().specular_product[0] / reported.lights.front().specular_product[0];
   const double own = relative * peak;
-  const bool known = std::isfinite(sigma.shininess);
+  const bool known = std::isfinite(sigma.lobes[0].shape);
   const bool matters = known && peak >= kMinSpecularPeak && peak > kSignificance * own;
   ladder.push_back(
       {"specular", matters,
@@ -98,12 +98,12 @@ void ChooseSpecular(const observe::Observations& observations, Refined& out,
            (known ? "" : ", and its width cannot be told")});
   if (matters) return;
   const auto product = [&](const uncertainty::Uncertainty& of) {
-    return of.lights.empty() ? own : of.lights.front().specular_product;
+    return of.lights.empty() ? own : of.lights.front().specular_product[0];
   };
   out.specular_sigma = product(sigmas.total);
   out.specular_sigma_stat = product(sigmas.stat);
-  out.solution.scene.reflectance.specular_model = model::SpecularModel::kNone;
-  out.solution.scene.reflectance.specular = 0.0;
+  out.solution.scene.reflectance.lobes[0] =
+      model::Converted(scene.reflectance.lobes[0], model::SpecularModel::kNone);
   SolveOn(observations, out);
   out.splits = uncertainty::SplitResiduals(observations, out.solution);
 }

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/model/scene.h"
 #include "estimator/solve/kernel/tile_kernel.h"
 
 namespace turnlight::estimator::solve {
 
 std::vector<std::uint8_t> FootprintSamples(const observe::Observations& observations,
-                                           double shininess, int least) {
-  const double half_width = model::LobeHalfWidth(shininess);
+                                           const model::Reflectance& reflectance, int least) {
+  double half_width = model::LobeHalfWidth(reflectance.lobes[0]);
+  for (const model::Lobe& lobe : reflectance.lobes)
+    if (lobe.present()) half_width = std::min(half_width, model::LobeHalfWidth(lobe));
   std::vector<std::uint8_t> samples(observations.tiles());
   for (std::size_t tile = 0; tile < samples.size(); ++tile) {
     const double ratio = static_cast<double>(observations.tile_footprint[tile]) / half_width;

@@ -4,14 +4,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
 
 namespace turnlight::estimator::solve {
 
-// How finely each tile's footprint must be sampled for a lobe of this shininess: the mirrored ray's
-// change across the pixel against the lobe's half-width (design, section 2). least: 1 or 2. Where
-// the centre would do, shininess is off by up to 0.5 % with 1, which for a start is good enough.
+// How finely each tile's footprint must be sampled for the narrowest of the lobes: the mirrored
+// ray's change across the pixel against the lobe's half-width (design, section 2). least: 1 or 2.
+// Where the centre would do, shininess is off by up to 0.5 % with 1, which for a start is good
+// enough.
 std::vector<std::uint8_t> FootprintSamples(const observe::Observations& observations,
-                                           double shininess, int least = 1);
+                                           const model::Reflectance& reflectance, int least = 1);
 
 }  // namespace turnlight::estimator::solve

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "estimator/model/parameters.h"
+#include "estimator/model/reflectance/models.h"
 #include "estimator/model/tangent_basis.h"
 
 namespace turnlight::estimator::solve {
@@ -14,24 +16,14 @@ using kernel::KernelModel;
 using kernel::KernelPixels;
 
 static_assert(kernel::kNoPixel == observe::Observations::kNoPixel, "filled up with the same");
+static_assert(kernel::kMostLobes == model::kMostLobes, "as many lobes");
+static_assert(kernel::kDiffuseConstants == model::reflectance::kDiffuseConstants, "as many");
 static_assert(kernel::kTilePixels == observe::kTile,
               "a tile of observations is a tile of the kernel");
 
 // A unit of parallel work: 16 384 pixels, less where that would leave threads idle. A function of
 // the number of tiles alone.
 constexpr std::size_t kMostTilesPerChunk = 64, kFewestTilesPerChunk = 4, kChunksWanted = 16;
-
-kernel::Specular KernelSpecular(model::SpecularModel model) {
-  switch (model) {
-    case model::SpecularModel::kNone:
-      return kernel::Specular::kNone;
-    case model::SpecularModel::kPhong:
-      return kernel::Specular::kPhong;
-    case model::SpecularModel::kBlinnPhong:
-      return kernel::Specular::kBlinnPhong;
-  }
-  return kernel::Specular::kNone;
-}
 
 // Legendre's P_n(x) and its derivative, by the three-term recurrence.
 std::pair<double, double> Legendre(int n, double x) {
@@ -75,13 +67,31 @@ void FillQuadrature(double aperture, KernelModel& model) {
   std::memcpy(model.weight, kQuadrature.weight, sizeof model.weight);
 }
 
-void FillOrenNayar(KernelModel& model, const model::Reflectance& reflectance) {
-  const double s = reflectance.roughness, v = s * s;
-  model.oren_nayar = reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
-  model.oren_nayar_a = 1.0 - 0.5 * v / (v + 0.33);
-  model.oren_nayar_b = 0.45 * v / (v + 0.09);
-  model.oren_nayar_da = -0.5 * 0.33 / ((v + 0.33) * (v + 0.33));
-  model.oren_nayar_db = 0.45 * 0.09 / ((v + 0.09) * (v + 0.09));
+void FillReflectance(const model::Reflectance& r, const model::Parameters& parameters,
+                     KernelModel& model) {
+  // The kernel's rows are the columns after the albedo's.
+  const auto row = [&](int column) { return column < 0 ? -1 : column - parameters.channels(); };
+  model.ambient = r.ambient;
+  model.diffuse = r.diffuse;
+  model.diffuse_model = static_cast<int>(r.diffuse_model);
+  model::reflectance::DiffuseModels::Visit(model.diffuse_model, [&](auto diffuse) {
+    decltype(diffuse)::FillConstants(r.roughness, model.diffuse_constants);
+  });
+  model.ambient_row = row(parameters.Ambient());
+  model.diffuse_row = row(parameters.Diffuse());
+  model.roughness_row = row(parameters.Roughness());
+  model.first_light_row = parameters.FirstLight() - parameters.channels();
+  model.lobes = r.lobes[0].present() ? parameters.lobes() : 0;
+  for (int k = 0; k < model.lobes; ++k) {
+    const model::Lobe& lobe = r.lobes[static_cast<std::size_t>(k)];
+    model.lobe[k] = {static_cast<int>(lobe.model) - 1,
+                     lobe.strength,
+                     lobe.shape,
+                     lobe.f0,
+                     row(parameters.Strength(k)),
+                     row(parameters.Shape(k)),
+                     row(parameters.F0(k))};
+  }
 }
 
 }  // namespace
@@ -109,15 +119,10 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
     sum += r.albedo[c];
     square += r.albedo[c] * r.albedo[c];
   }
-  model.ambient = r.ambient;
-  model.diffuse = r.diffuse;
-  model.specular = r.specular;
-  model.shininess = r.shininess;
-  model.specular_model = KernelSpecular(r.specular_model);
+  FillReflectance(r, model::Parameters(scene, model.channels), model);
   model.huber = options.huber;
   model.weighted = !observations.weight.empty();
   model.gradient_only = options.gradient_only;
-  FillOrenNayar(model, r);
   FillQuadrature(options.aperture, model);
   model.l11 = std::sqrt(std::max(square, 1e-30));
   model.l21 = sum / model.l11;

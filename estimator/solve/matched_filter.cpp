@@ -29,12 +29,12 @@ std::vector<MissingLight> RankMissingLights(const observe::Observations& pixels,
     for (std::size_t d = begin; d < end; ++d)
       scene.lights.push_back({directions[d], kNewDistance, 0.0, Eigen::Vector3d::Ones()});
     EvaluateOptions options;
-    options.samples_per_side = FootprintSamples(pixels, scene.reflectance.shininess);
+    options.samples_per_side = FootprintSamples(pixels, scene.reflectance);
     options.shadows = CastShadows(pixels, scene, shadows, kShadowTolerance);
     const NormalEquations equations = Evaluate(pixels, scene, options);
-    const Columns columns{pixels.channels, static_cast<int>(scene.lights.size())};
+    const model::Parameters parameters(scene, pixels.channels);
     for (std::size_t l = known; l < scene.lights.size(); ++l) {
-      const int column = columns.Intensity(static_cast<int>(l));
+      const int column = parameters.Intensity(static_cast<int>(l));
       const double slope = equations.gradient[column],
                    curvature = equations.hessian(column, column);
       if (!(slope < 0.0) || !(curvature > 0.0)) continue;
@@ -52,7 +52,7 @@ std::vector<MissingLight> RankMissingLights(const observe::Observations& pixels,
 std::optional<model::Light> MostMissingLight(const observe::Observations& pixels,
                                              const model::Scene& scene) {
   EvaluateOptions options;
-  options.samples_per_side = FootprintSamples(pixels, scene.reflectance.shininess);
+  options.samples_per_side = FootprintSamples(pixels, scene.reflectance);
   options.shadows = CastShadows(pixels, scene);
   const auto model = Predict(pixels, scene, options);
   model::Scene alone = scene;

@@ -9,15 +9,15 @@
 
 #include <Eigen/Core>
 
+#include "estimator/model/parameters.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
-#include "estimator/solve/columns.h"
 #include "estimator/solve/evaluate_options.h"
 
 namespace turnlight::estimator::solve {
 
 struct NormalEquations {
-  Eigen::MatrixXd hessian;   // J^T J, Columns::count() squared, symmetric
+  Eigen::MatrixXd hessian;   // J^T J, model::Parameters::count() squared, symmetric
   Eigen::VectorXd gradient;  // J^T r, r = model - observed
   double cost = 0.0;         // sum of r^2 / 2 over pixels and channels; r weighted, if pixels are
 };

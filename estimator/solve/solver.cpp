@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "estimator/solve/box_quadratic.h"
@@ -11,14 +10,10 @@
 namespace turnlight::estimator::solve {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Marquardt's damping, relative to the matrix's diagonal.
 constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e8;
 constexpr double kGaussNewton = 1e-2;  // below it a short step is the end, not the damping's doing
 constexpr double kRounding = 1e-10;    // of the cost: what its sums in single precision resolve
-// The linear model reaches no further than this in one step: radians, 1/R, log n, radians squared.
-constexpr double kDirectionStep = 0.3, kDistanceStep = 0.1, kShininessStep = 1.0,
-                 kRoughnessStep = 0.2;
 
 std::size_t Strongest(const std::vector<model::Light>& lights) {
   const auto weaker = [](const model::Light& a, const model::Light& b) {
@@ -31,35 +26,48 @@ std::size_t Strongest(const std::vector<model::Light>& lights) {
 // What the solver may do with one scalar.
 struct Limits {
   bool held = false;
-  double low = 0.0;
-  double high = kInfinity;
-  double step = kInfinity;  // the longest
+  model::ParameterLimits within;
 };
 
-std::vector<Limits> LimitsOf(const Columns& columns, const model::Scene& start,
-                             const SolveOptions& options) {
-  std::vector<Limits> limits(static_cast<std::size_t>(columns.count()));
-  const auto at = [&](int column) -> Limits& { return limits[static_cast<std::size_t>(column)]; };
-  int gauge_channel = 0;
-  start.reflectance.albedo.head(columns.channels).maxCoeff(&gauge_channel);
-  at(columns.Albedo(gauge_channel)).held = true;
-  if (options.gauge == Gauge::kDiffuse) at(columns.Diffuse()).held = true;
-  const bool specular = start.reflectance.specular_model != model::SpecularModel::kNone;
-  at(columns.Specular()).held = !specular;
-  at(columns.LogShininess()) = {!specular, std::log(model::kMinShininess),
-                                std::log(model::kMaxShininess), kShininessStep};
-  const bool rough = start.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
-  at(columns.RoughnessSquared()) = {!rough, 0.0, kMaxRoughness * kMaxRoughness, kRoughnessStep};
-  for (int l = 0; l < columns.lights; ++l) {
-    const auto index = static_cast<std::size_t>(l);
-    const bool fixed = !options.fixed_distance.empty() && options.fixed_distance[index];
-    at(columns.InverseDistance(l)) = {fixed, 0.0, kMaxInverseDistance, kDistanceStep};
-    for (int k = 0; k < 2; ++k)
-      at(columns.Tangent(l) + k) = {!options.free_directions, -kInfinity, kInfinity,
-                                    kDirectionStep};
-    at(columns.Intensity(l)).held =
-        options.gauge == Gauge::kStrongestLight && index == Strongest(start.lights);
+// Whether a parameter that the scene has is held: by the gauge, the models or the options.
+bool Held(const model::Parameter& parameter, const model::Scene& start, int gauge_channel,
+          const SolveOptions& options) {
+  using enum model::ParameterKind;
+  const auto owner = static_cast<std::size_t>(parameter.owner);
+  const model::Reflectance& r = start.reflectance;
+  switch (parameter.kind) {
+    case kAlbedo:
+      return parameter.owner == gauge_channel;
+    case kDiffuse:
+      return options.gauge == Gauge::kDiffuse;
+    case kStrength:
+    case kShape:
+      return !r.lobes[owner].present();
+    case kF0:
+      return !options.free_f0;
+    case kRoughness:
+      return !model::FactsOf(r.diffuse_model).has_shape;
+    case kIntensity:
+      return options.gauge == Gauge::kStrongestLight && owner == Strongest(start.lights);
+    case kTangent:
+      return !options.free_directions;
+    case kInverseDistance:
+      return !options.fixed_distance.empty() && options.fixed_distance[owner];
+    case kAmbient:
+    case kColour:
+      break;
   }
+  return false;
+}
+
+std::vector<Limits> LimitsOf(const model::Parameters& parameters, const model::Scene& start,
+                             const SolveOptions& options) {
+  int gauge_channel = 0;
+  start.reflectance.albedo.head(parameters.channels()).maxCoeff(&gauge_channel);
+  std::vector<Limits> limits;
+  for (int i = 0; i < parameters.count(); ++i)
+    limits.push_back({Held(parameters[i], start, gauge_channel, options),
+                      model::LimitsOf(parameters[i], start)});
   return limits;
 }
 
@@ -73,8 +81,8 @@ Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::Vector
     const Limits& limit = limits[static_cast<std::size_t>(i)];
     if (limit.held) scale[i] = 0.0;
     // Rounding must not put 0 outside.
-    low[i] = scale[i] * std::min(std::max(limit.low - values[i], -limit.step), 0.0);
-    high[i] = scale[i] * std::max(std::min(limit.high - values[i], limit.step), 0.0);
+    low[i] = scale[i] * std::min(std::max(limit.within.low - values[i], -limit.within.step), 0.0);
+    high[i] = scale[i] * std::max(std::min(limit.within.high - values[i], limit.within.step), 0.0);
     if (scale[i] == 0.0) low[i] = high[i] = 0.0;
   }
   const Eigen::VectorXd inverse = InverseOrZero(scale);
@@ -94,10 +102,10 @@ bool Finite(const NormalEquations& equations) {
 Solution Solve(const observe::Observations& observations, const model::Scene& start,
                const SolveOptions& options) {
   Solution out;
-  out.scene = WithinBounds(start);
+  out.scene = model::WithinBounds(start);
   out.evaluate = options.evaluate;
-  const Columns columns{observations.channels, static_cast<int>(start.lights.size())};
-  const std::vector<Limits> limits = LimitsOf(columns, out.scene, options);
+  const model::Parameters parameters(start, observations.channels);
+  const std::vector<Limits> limits = LimitsOf(parameters, out.scene, options);
   out.equations = Evaluate(observations, out.scene, options.evaluate);
   out.cost_history.push_back(out.equations.cost);
   double damping = kFirstDamping;
@@ -109,7 +117,7 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
   while (!done && out.iterations < options.max_iterations && !StopRequested(options.stop)) {
     const double cost = out.equations.cost;
     const Eigen::VectorXd step =
-        DampedStep(out.equations, Values(out.scene, columns), limits, damping);
+        DampedStep(out.equations, model::Values(out.scene, parameters), limits, damping);
     const double predicted =
         -step.dot(out.equations.gradient + 0.5 * (out.equations.hessian * step));
     if (!(predicted > kRounding * cost) || damping > kMostDamping) {
@@ -117,7 +125,7 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
       out.stopped = predicted <= kRounding * cost ? Stopped::kTolerance : Stopped::kNoDescent;
       break;
     }
-    model::Scene trial = WithinBounds(Moved(out.scene, columns, step));
+    model::Scene trial = model::WithinBounds(model::Moved(out.scene, parameters, step));
     NormalEquations equations = Evaluate(observations, trial, options.evaluate);
     ++out.iterations;
     const double gained = cost - equations.cost;

@@ -21,6 +21,7 @@ struct SolveOptions {
   double function_tolerance = 1e-10;  // stop when a step lowers the cost by less than this share
   Gauge gauge = Gauge::kStrongestLight;
   bool free_directions = true;
+  bool free_f0 = false;              // of physical lobes
   std::vector<bool> fixed_distance;  // per light; empty: all distances are free
   EvaluateOptions evaluate;
   const StopFlag* stop = nullptr;  // set: ends before the next iteration, as at its limit

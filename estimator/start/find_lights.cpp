@@ -18,8 +18,6 @@ constexpr int kLatticeLights = 24;
 constexpr double kRatioPerLight = 3.0;
 constexpr double kRoughRatio = 1.25, kHalfVectorRatio = 1.25;
 constexpr double kFirstRoughness = 0.3;  // radians
-// A lobe of (n.h)^n is about as wide as one of (r.v)^(n/4).
-constexpr double kHalfVectorShininess = 4.0;
 
 Eigen::Vector3d MeanNormal(const observe::Observations& all) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -34,9 +32,7 @@ bool Rough(const Candidate& candidate) {
   return candidate.scene.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
 }
 
-const char* Name(model::DiffuseModel model) {
-  return model == model::DiffuseModel::kOrenNayar ? "Oren-Nayar" : "Lambert";
-}
+const char* Name(model::DiffuseModel model) { return model::FactsOf(model).name; }
 
 Candidate WithDiffuse(Candidate candidate, model::DiffuseModel model) {
   model::Reflectance& r = candidate.scene.reflectance;
@@ -47,11 +43,7 @@ Candidate WithDiffuse(Candidate candidate, model::DiffuseModel model) {
 
 Candidate WithLobe(Candidate candidate, model::SpecularModel model) {
   model::Reflectance& r = candidate.scene.reflectance;
-  if (model == model::SpecularModel::kNone) r.specular = 0.0;
-  if (model == model::SpecularModel::kBlinnPhong &&
-      r.specular_model == model::SpecularModel::kPhong)
-    r.shininess = std::min(kHalfVectorShininess * r.shininess, model::kMaxShininess);
-  r.specular_model = model;
+  if (model != r.lobes[0].model) r.lobes[0] = model::Converted(r.lobes[0], model);
   return candidate;
 }
 

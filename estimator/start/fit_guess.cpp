@@ -29,12 +29,12 @@ model::Scene StartFromGuess(const Sample& sample, const model::InitialGuess& gue
   }
   model::Reflectance& r = start.reflectance;
   if (guess.reflectance) {
-    r.specular_model = guess.reflectance->specular_model;
-    r.shininess = guess.reflectance->shininess;
+    r.lobes[0].model = guess.reflectance->lobes[0].model;
+    r.lobes[0].shape = guess.reflectance->lobes[0].shape;
     r.diffuse_model = guess.reflectance->diffuse_model;
     r.roughness = guess.reflectance->roughness;
   }
-  r.specular_model = sample.choice.specular.value_or(r.specular_model);
+  r.lobes[0].model = sample.choice.specular.value_or(r.lobes[0].model);
   r.diffuse_model = sample.choice.diffuse.value_or(r.diffuse_model);
   return start;
 }

@@ -22,7 +22,7 @@ struct Fit {
 
 Fit Explain(const observe::Observations& pixels, const model::Scene& scene) {
   solve::EvaluateOptions options;
-  options.samples_per_side = solve::FootprintSamples(pixels, scene.reflectance.shininess);
+  options.samples_per_side = solve::FootprintSamples(pixels, scene.reflectance);
   options.shadows = solve::CastShadows(pixels, scene);
   Fit fit{solve::Predict(pixels, scene, options), 0.0, 0.0};
   for (int c = 0; c < pixels.channels; ++c)

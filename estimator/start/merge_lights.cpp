@@ -24,10 +24,9 @@ model::Light Merged(const model::Light& a, const model::Light& b) {
 }
 
 double MergeAngle(const model::Reflectance& r) {
-  const bool lobe =
-      r.specular > 1e-3 * r.diffuse && r.specular_model != model::SpecularModel::kNone;
+  const bool lobe = r.lobes[0].present() && model::LobePeak(r.lobes[0]) > 1e-3 * r.diffuse;
   if (!lobe) return DegToRad(kNoLobeMergeDeg);
-  return std::min(0.6 * model::LobeHalfWidth(r.shininess), DegToRad(kMergeLimitDeg));
+  return std::min(0.6 * model::LobeHalfWidth(r.lobes[0]), DegToRad(kMergeLimitDeg));
 }
 
 // Merges the closest pair within the angle and removes the negligible, down to `least` lights.

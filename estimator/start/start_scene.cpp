@@ -14,8 +14,8 @@ model::Scene StartFromDirections(const observe::Observations& observations,
   r.albedo = median / median.maxCoeff();
   r.ambient = std::max(observe::DarkRadiance(observations, 0) / r.albedo[0], 0.0);
   r.diffuse = 1.0;
-  r.specular = 0.5;
-  r.shininess = 20.0;
+  r.lobes[0].strength = 0.5;
+  r.lobes[0].shape = 20.0;
   for (const Eigen::Vector3d& direction : directions) {
     model::Light light;
     light.direction = direction;

@@ -117,9 +117,9 @@ std::optional<model::Scene> FitTilts(const observe::Observations& pixels,
                                      const solve::EvaluateOptions& options,
                                      const solve::NormalEquations& untilted,
                                      const TiltResponse& response) {
-  const solve::Columns columns{pixels.channels, static_cast<int>(solution.scene.lights.size())};
+  const model::Parameters parameters(solution.scene, pixels.channels);
   std::vector<int> free;
-  for (int column = 0; column < columns.count(); ++column)
+  for (int column = 0; column < parameters.count(); ++column)
     if (!solution.held[static_cast<std::size_t>(column)]) free.push_back(column);
   // A robust loss hides what a large tilt leaves.
   const bool asked = options.huber > 0.0 ||
@@ -130,9 +130,9 @@ std::optional<model::Scene> FitTilts(const observe::Observations& pixels,
   solve.evaluate = options;
   solve.evaluate.huber = 0.0;  // what a tilt leaves is no outlier
   solve.evaluate.gradient_only = false;
-  for (int l = 0; l < columns.lights; ++l)
+  for (int l = 0; l < parameters.lights(); ++l)
     solve.fixed_distance.push_back(
-        solution.held[static_cast<std::size_t>(columns.InverseDistance(l))]);
+        solution.held[static_cast<std::size_t>(parameters.InverseDistance(l))]);
   observe::Observations turned = pixels;
   solve::Solution fit = solve::Solve(pixels, solution.scene, solve);
   const double before = fit.equations.cost;

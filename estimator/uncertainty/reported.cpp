@@ -28,15 +28,17 @@ Reported Report(const model::Scene& solver_scene, const observe::Observations& o
   r.albedo /= albedo;
   r.ambient *= albedo;
   r.diffuse *= albedo * strongest;
-  r.specular *= strongest;
+  for (model::Lobe& lobe : r.lobes) lobe.strength *= strongest;
   out.ambient_product = r.albedo * r.ambient;
   for (const std::size_t index : order) {
     ReportedLight& light = out.lights.emplace_back();
     light.light = world.lights[index];
     light.light.intensity /= strongest;
     light.direction_at_reference = solver_scene.lights[index].direction;
-    light.diffuse_product = r.albedo * (r.diffuse * light.light.intensity);
-    light.specular_product = r.specular * light.light.intensity;
+    light.diffuse_product =
+        r.albedo.cwiseProduct(light.light.color) * (r.diffuse * light.light.intensity);
+    for (std::size_t k = 0; k < r.lobes.size(); ++k)
+      light.specular_product[k] = r.lobes[k].strength * light.light.intensity;
     light.inverse_distance_at_reference = solver_scene.lights[index].inverse_distance;
   }
   return out;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -14,10 +15,10 @@ namespace turnlight::estimator::uncertainty {
 // has intensity 1), lights in a fixed order.
 struct ReportedLight {
   model::Light light;
-  Eigen::Vector3d direction_at_reference;      // from the reference point
-  Eigen::Vector3d diffuse_product;             // O k_d I
-  double specular_product = 0.0;               // k_s I
-  double inverse_distance_at_reference = 0.0;  // in 1/R
+  Eigen::Vector3d direction_at_reference;                    // from the reference point
+  Eigen::Vector3d diffuse_product;                           // O k_d I
+  std::array<double, model::kMostLobes> specular_product{};  // k_s I of each lobe
+  double inverse_distance_at_reference = 0.0;                // in 1/R
 };
 struct Reported {
   std::vector<ReportedLight> lights;

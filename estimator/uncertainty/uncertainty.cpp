@@ -24,45 +24,35 @@ constexpr double kNullShare = 1e-11;
 constexpr double kWeakShare = 1e-7;
 // The columns that count as unknowns: all that are not held. What ended at a bound could be on this
 // side of it.
-std::vector<int> Unknowns(const solve::Solution& solution, const solve::Columns& columns) {
+std::vector<int> Unknowns(const solve::Solution& solution, const model::Parameters& parameters) {
   std::vector<int> unknowns;
-  for (int column = 0; column < columns.count(); ++column) {
-    const bool nowhere =
-        column == columns.LogShininess() && !(solution.scene.reflectance.specular > 0.0);
+  for (int column = 0; column < parameters.count(); ++column) {
+    const model::Parameter& parameter = parameters[column];
+    const bool of_lobe = parameter.kind == model::ParameterKind::kShape ||
+                         parameter.kind == model::ParameterKind::kF0;
+    const auto owner = static_cast<std::size_t>(parameter.owner);
+    const bool nowhere = of_lobe && !(solution.scene.reflectance.lobes[owner].strength > 0.0);
     if (!solution.held[static_cast<std::size_t>(column)] && !nowhere) unknowns.push_back(column);
   }
   return unknowns;
 }
 
-std::string ColumnName(const solve::Columns& columns, int column) {
-  static const char* const kColours[] = {"red", "green", "blue"};
-  if (column < columns.channels) return std::string("albedo ") + kColours[column];
-  if (column == columns.Ambient()) return "ambient";
-  if (column == columns.Diffuse()) return "diffuse";
-  if (column == columns.Specular()) return "specular";
-  if (column == columns.LogShininess()) return "shininess";
-  if (column == columns.RoughnessSquared()) return "roughness";
-  const int light = (column - columns.Intensity(0)) / 4;
-  const char* const what[] = {"intensity", "direction", "direction", "distance"};
-  return std::string(what[(column - columns.Intensity(0)) % 4]) + " of light " +
-         std::to_string(light + 1);
-}
-
 std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unknowns,
-                   const solve::Columns& columns) {
+                   const model::Parameters& parameters, const model::Scene& scene) {
   std::string text;
   for (Eigen::Index i = 0; i < direction.size(); ++i)
     if (std::abs(direction[i]) > 0.3) {
-      const std::string name = ColumnName(columns, unknowns[static_cast<std::size_t>(i)]);
+      const std::string name =
+          model::NameOf(parameters[unknowns[static_cast<std::size_t>(i)]], scene);
       if (text.find(name) == std::string::npos) text += (text.empty() ? "" : " against ") + name;
     }
   return text;
 }
 
 Covariance Invert(const solve::Solution& solution, const observe::Observations& observations,
-                  const solve::Columns& columns, double views_per_distinct) {
+                  const model::Parameters& parameters, double views_per_distinct) {
   Covariance out;
-  out.unknowns = Unknowns(solution, columns);
+  out.unknowns = Unknowns(solution, parameters);
   const auto n = static_cast<Eigen::Index>(out.unknowns.size());
   Eigen::VectorXd scale(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -92,7 +82,8 @@ Covariance Invert(const solve::Solution& solution, const observe::Observations& 
   for (Eigen::Index k = 0; k < n; ++k) {
     const double value = eigen.eigenvalues()[k];
     const Eigen::VectorXd vector = eigen.eigenvectors().col(k);
-    if (value < kWeakShare * largest) out.weak.push_back(NameOf(vector, out.unknowns, columns));
+    if (value < kWeakShare * largest)
+      out.weak.push_back(NameOf(vector, out.unknowns, parameters, solution.scene));
     if (!(value > kNullShare * largest)) {
       for (Eigen::Index i = 0; i < n; ++i)
         if (std::abs(vector[i]) > 1e-3) out.undetermined[static_cast<std::size_t>(i)] = true;
@@ -121,12 +112,14 @@ Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
     out.segment(kPerLight * l, kPerLight)
         << model::TangentBasis(at.lights[static_cast<std::size_t>(l)].light.direction).transpose() *
                u,
-        rho, light.light.intensity, light.diffuse_product, light.specular_product, u / safe,
-        1.0 / safe, light.inverse_distance_at_reference;
+        rho, light.light.intensity, light.diffuse_product, light.specular_product[0], u / safe,
+        1.0 / safe, light.inverse_distance_at_reference, light.specular_product[1],
+        light.light.color;
   }
   const model::Reflectance& r = reported.reflectance;
-  out.tail(kShared) << r.albedo, r.ambient, r.diffuse, r.specular, r.shininess, r.roughness,
-      reported.ambient_product;
+  const model::Lobe &first = r.lobes[0], &second = r.lobes[1];
+  out.tail(kShared) << r.albedo, r.ambient, r.diffuse, first.strength, first.shape, r.roughness,
+      reported.ambient_product, first.f0, second.strength, second.shape, second.f0;
   return out;
 }
 
@@ -142,7 +135,7 @@ double AlongLargerAxis(const Eigen::Matrix2d& total, const Eigen::Matrix2d& m) {
 }
 
 Propagation Propagate(const solve::Solution& solution, const observe::Observations& observations,
-                      const std::vector<std::size_t>& order, const solve::Columns& columns,
+                      const std::vector<std::size_t>& order, const model::Parameters& parameters,
                       const Covariance& covariance,
                       const std::optional<model::Scene>& tilted_scene) {
   const Reported at = Report(solution.scene, observations, order);
@@ -161,9 +154,9 @@ Propagation Propagate(const solve::Solution& solution, const observe::Observatio
     const double sigma = std::sqrt(covariance.matrix(i, i));
     const double step = undetermined || !(sigma > 0.0) ? 1e-6 : std::min(1e-3 * sigma, 1e-4);
     const auto moved = [&](double by) {
-      const Eigen::VectorXd by_column = by * Eigen::VectorXd::Unit(columns.count(), column);
-      return Flatten(Report(solve::Moved(solution.scene, columns, by_column), observations, order),
-                     at);
+      const Eigen::VectorXd by_column = by * Eigen::VectorXd::Unit(parameters.count(), column);
+      return Flatten(
+          Report(model::Moved(solution.scene, parameters, by_column), observations, order), at);
     };
     out.jacobian.col(i) = (moved(step) - moved(-step)) / (2.0 * step);
     if (undetermined)
@@ -195,19 +188,20 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
     light.inverse_distance = sigma(q + 2);
     light.intensity = sigma(q + 3);
     light.diffuse_product = sigma3(q + 4);
-    light.specular_product = sigma(q + 7);
+    light.specular_product = {sigma(q + 7), sigma(q + 13)};
     light.position_covariance = result.block<3, 3>(q + 8, q + 8);
     light.distance = sigma(q + 11);
     light.inverse_distance_at_reference = sigma(q + 12);
+    light.colour = sigma3(q + 14);
   }
   const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(lights);
   out.albedo = sigma3(s);
   out.ambient = sigma(s + 3);
   out.diffuse = sigma(s + 4);
-  out.specular = sigma(s + 5);
-  out.shininess = sigma(s + 6);
+  out.lobes[0] = {sigma(s + 5), sigma(s + 6), sigma(s + 11)};
+  out.lobes[1] = {sigma(s + 12), sigma(s + 13), sigma(s + 14)};
   out.roughness = sigma(s + 7);
-  out.ambient_product = sigma3(s + 8);
+  out.ambient_product = sigma3(s + kAmbientProduct);
   return out;
 }
 
@@ -228,19 +222,19 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
                                   const std::vector<std::size_t>& order, double views_per_distinct,
                                   const ResidualSplits& splits,
                                   const CalibrationResponse* calibration) {
-  const solve::Columns columns{observations.channels,
-                               static_cast<int>(solution.scene.lights.size())};
-  const Covariance covariance = Invert(solution, observations, columns, views_per_distinct);
-  const Propagation reported =
-      Propagate(solution, observations, order, columns, covariance, splits.unmodelled.tilted_scene);
-  const Parts parts = PartsOf(solution, columns, splits, covariance, reported, views_per_distinct);
+  const model::Parameters parameters(solution.scene, observations.channels);
+  const Covariance covariance = Invert(solution, observations, parameters, views_per_distinct);
+  const Propagation reported = Propagate(solution, observations, order, parameters, covariance,
+                                         splits.unmodelled.tilted_scene);
+  const Parts parts =
+      PartsOf(solution, parameters, splits, covariance, reported, views_per_distinct);
   std::vector<Part> items{{NoiseWords(), parts.stat}};
   items.insert(items.end(), parts.items.begin(), parts.items.end());
   Eigen::MatrixXd total = parts.stat + parts.model;
   Eigen::MatrixXd of_calibration = Eigen::MatrixXd::Zero(total.rows(), total.cols());
   if (calibration)
     for (Part& part :
-         CalibrationParts(*calibration, solution, columns, covariance, reported, order)) {
+         CalibrationParts(*calibration, solution, parameters, covariance, reported, order)) {
       total += part.covariance;
       of_calibration += part.covariance;
       items.push_back(std::move(part));

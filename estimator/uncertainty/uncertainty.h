@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,17 @@ struct LightSigma {
   double distance = 0.0;
   double inverse_distance_at_reference = 0.0;  // 1/R
   Eigen::Vector3d diffuse_product = Eigen::Vector3d::Zero();
-  double specular_product = 0.0;
+  std::array<double, model::kMostLobes> specular_product{};  // of each lobe
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+};
+struct LobeSigma {
+  double strength = 0.0, shape = 0.0, f0 = 0.0;
 };
 struct Uncertainty {
   std::vector<LightSigma> lights;
   Eigen::Vector3d albedo = Eigen::Vector3d::Zero();
-  double ambient = 0.0, diffuse = 0.0, specular = 0.0, shininess = 0.0, roughness = 0.0;
+  double ambient = 0.0, diffuse = 0.0, roughness = 0.0;
+  std::array<LobeSigma, model::kMostLobes> lobes{};
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();
   double condition = 0.0;         // of the column-scaled normal equations, free columns
   std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures

@@ -130,16 +130,22 @@ void AddUnmodelled(const Unmodelled& unmodelled, const Linearised& fit, Parts& o
 // Normals that are wrong each by itself widen the highlight as a rougher material would: the
 // mirrored ray turns twice as much as the normal, Blinn-Phong's half vector as much.
 void AddScatter(double normal_variance, const model::Reflectance& reflectance,
-                const solve::Columns& columns, const Linearised& fit, Parts& out) {
-  const double lobe = reflectance.specular_model == model::SpecularModel::kPhong ? 4.0 : 1.0;
-  const double widening = -std::log1p(
-      -std::min(kScatterMargin * lobe * normal_variance * reflectance.shininess, kMostWidening));
+                const model::Parameters& parameters, const Linearised& fit, Parts& out) {
   const std::vector<int>& unknowns = fit.covariance.unknowns;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns.size()));
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    if (unknowns[i] == columns.LogShininess()) step[static_cast<Eigen::Index>(i)] = widening;
-    if (unknowns[i] == columns.Specular())
-      step[static_cast<Eigen::Index>(i)] = widening * reflectance.specular;
+  for (int k = 0; k < parameters.lobes(); ++k) {
+    const model::Lobe& lobe = reflectance.lobes[static_cast<std::size_t>(k)];
+    if (!lobe.present()) continue;
+    const double twice = model::FactsOf(lobe.model).about_mirrored_view ? 4.0 : 1.0;
+    const double share =
+        kScatterMargin * twice * normal_variance * model::LobeInverseVariance(lobe);
+    const double widening = -std::log1p(-std::min(share, kMostWidening));
+    const model::LobeSlopes slopes = model::LobeSlopesOf(lobe);
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      double& to = step[static_cast<Eigen::Index>(i)];
+      if (unknowns[i] == parameters.Shape(k)) to = widening * slopes.log_shape;
+      if (unknowns[i] == parameters.Strength(k)) to = widening * slopes.strength;
+    }
   }
   out.Add(NormalsWords(), fit.jacobian * step);
 }
@@ -151,7 +157,8 @@ void AddTexture(double texture, const Eigen::VectorXd& values, Parts& out) {
   for (Eigen::Index q = 0; q + kShared < values.size(); q += kPerLight)
     shift.segment<3>(q + kDiffuseProduct) = texture * values.segment<3>(q + kDiffuseProduct);
   const Eigen::Index shared = values.size() - kShared;
-  shift.tail<3>() = texture * values.tail<3>();
+  shift.segment<3>(shared + kAmbientProduct) =
+      texture * values.segment<3>(shared + kAmbientProduct);
   shift.segment<2>(shared + 3) = texture * values.segment<2>(shared + 3);  // ambient, diffuse
   out.Add(SurfaceWords(), shift);
 }
@@ -172,9 +179,9 @@ AdjustedScore ScoreOfColumn(const solve::NormalEquations& equations, int column,
 
 // Lambert was taken. Where the data cannot tell, as on a board under one light, a surface as rough
 // as is common is as good, and what it would change belongs to the error.
-void AddRoughness(const solve::NormalEquations& equations, const solve::Columns& columns,
+void AddRoughness(const solve::NormalEquations& equations, const model::Parameters& parameters,
                   const Linearised& fit, Parts& out) {
-  const int column = columns.RoughnessSquared();
+  const int column = parameters.Roughness();
   const AdjustedScore score = ScoreOfColumn(equations, column, fit);
   if (!(score.curvature > 0.0)) return;  // nothing diffuse
   if (score.curvature < kIdentifiableRoughness * equations.hessian(column, column)) {
@@ -187,13 +194,13 @@ void AddRoughness(const solve::NormalEquations& equations, const solve::Columns&
 }
 
 // What was left out of the model. A positive slope would want to go below the bound.
-void AddAlternatives(const solve::NormalEquations& equations, const solve::Columns& columns,
+void AddAlternatives(const solve::NormalEquations& equations, const model::Parameters& parameters,
                      const model::Reflectance& reflectance, const Linearised& fit, Parts& out) {
   if (reflectance.diffuse_model == model::DiffuseModel::kLambert)
-    AddRoughness(equations, columns, fit, out);
+    AddRoughness(equations, parameters, fit, out);
   const std::vector<int>& unknowns = fit.covariance.unknowns;
-  for (int l = 0; l < columns.lights; ++l) {
-    const int column = columns.InverseDistance(l);
+  for (int l = 0; l < parameters.lights(); ++l) {
+    const int column = parameters.InverseDistance(l);
     if (std::find(unknowns.begin(), unknowns.end(), column) != unknowns.end()) continue;
     const AdjustedScore score = ScoreOfColumn(equations, column, fit);
     if (score.curvature > 0.0 && score.slope < 0.0)
@@ -243,7 +250,7 @@ void Parts::Add(const BudgetWords& words, const Eigen::VectorXd& shift) {
     items.push_back({words, square});
 }
 
-Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
+Parts PartsOf(const solve::Solution& solution, const model::Parameters& parameters,
               const ResidualSplits& splits, const Covariance& covariance,
               const Propagation& reported, double views_per_distinct) {
   const Eigen::MatrixXd& jacobian = reported.jacobian;
@@ -274,15 +281,16 @@ Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
   AddEdges(solution.equations, splits.edges, fit, out);
   out.Add(PixelsWords(), jacobian * (fit.inverse * splits.finer(unknowns)));
   AddUnmodelled(splits.unmodelled, fit, out);
-  AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, columns, fit, out);
+  AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, parameters, fit, out);
   AddTexture(splits.texture, reported.values, out);
   if (reported.tilt_shift.size() > 0) out.Add(NormalsWords(), reported.tilt_shift);
-  AddAlternatives(splits.alternatives, columns, solution.scene.reflectance, fit, out);
+  AddAlternatives(splits.alternatives, parameters, solution.scene.reflectance, fit, out);
   return out;
 }
 
 std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
-                                   const solve::Solution& solution, const solve::Columns& columns,
+                                   const solve::Solution& solution,
+                                   const model::Parameters& parameters,
                                    const Covariance& covariance, const Propagation& reported,
                                    const std::vector<std::size_t>& order) {
   const Eigen::Index quantities = reported.jacobian.rows();
@@ -307,7 +315,7 @@ std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
       for (std::size_t i = 0; i < order.size(); ++i)
         shift[kPerLight * static_cast<Eigen::Index>(i) + kInverseDistance] +=
             HeldDistanceShift(calibration.as_modelled, gradients.col(d),
-                              columns.InverseDistance(static_cast<int>(order[i])), unknowns) /
+                              parameters.InverseDistance(static_cast<int>(order[i])), unknowns) /
             reported.radius;
       out[k].covariance += shift * shift.transpose();
     }

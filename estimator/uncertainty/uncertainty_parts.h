@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "estimator/model/parameters.h"
 #include "estimator/solve/solver.h"
+#include "estimator/uncertainty/budget.h"
 #include "estimator/uncertainty/residual_splits.h"
 
 namespace turnlight::estimator::uncertainty {
@@ -23,12 +25,13 @@ struct Covariance {
   double variance = 0.0;  // of a value; matrix is this times H^-1
 };
 
-// The reported quantities as one vector: a light's 13 (two tangent coordinates of its direction,
-// rho, intensity, diffuse product (3), specular product, position (3), distance, rho about the
-// reference), for each light; then albedo (3), ambient, diffuse, specular, shininess, roughness,
-// ambient product (3).
-inline constexpr Eigen::Index kPerLight = 13, kShared = 11, kInverseDistance = 2,
-                              kDiffuseProduct = 4;
+// The reported quantities as one vector: a light's 17 (two tangent coordinates of its direction,
+// rho, intensity, diffuse product (3), product of the first lobe, position (3), distance, rho about
+// the reference, product of the second lobe, colour (3)), for each light; then albedo (3), ambient,
+// diffuse, strength and shape of the first lobe, roughness, ambient product (3), F0 of the first
+// lobe, strength, shape and F0 of the second.
+inline constexpr Eigen::Index kPerLight = 17, kShared = 15, kInverseDistance = 2,
+                              kDiffuseProduct = 4, kAmbientProduct = 8;
 
 // Propagation of errors: derivatives of the reported quantities by the unknowns.
 struct Propagation {
@@ -53,13 +56,14 @@ struct Parts {
   void Add(const BudgetWords& words, const Eigen::VectorXd& shift);
 };
 
-Parts PartsOf(const solve::Solution& solution, const solve::Columns& columns,
+Parts PartsOf(const solve::Solution& solution, const model::Parameters& parameters,
               const ResidualSplits& splits, const Covariance& covariance,
               const Propagation& reported, double views_per_distinct);
 
 // What the calibration's errors add: items of `parts` that are not in its model.
 std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
-                                   const solve::Solution& solution, const solve::Columns& columns,
+                                   const solve::Solution& solution,
+                                   const model::Parameters& parameters,
                                    const Covariance& covariance, const Propagation& reported,
                                    const std::vector<std::size_t>& order);
 

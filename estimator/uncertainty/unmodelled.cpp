@@ -25,9 +25,9 @@ constexpr double kWidestStep = 0.05;     // radians
 
 void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
                 const solve::EvaluateOptions& options, const ScoreProbe& probe, Unmodelled& out) {
-  const double lobe = scene.reflectance.specular_model == model::SpecularModel::kNone
+  const double lobe = scene.reflectance.lobes[0].model == model::SpecularModel::kNone
                           ? kWidestStep
-                          : kExtentStep * model::LobeHalfWidth(scene.reflectance.shininess);
+                          : kExtentStep * model::LobeHalfWidth(scene.reflectance.lobes[0]);
   const double step = std::min(lobe, kWidestStep);
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
     const model::Light& whole = scene.lights[l];
@@ -108,8 +108,7 @@ Eigen::VectorXd AveragedFalloff(const observe::Observations& pixels, const model
   // An edge of a shadow is another matter.
   options.shadows.usable = solve::AwayFromTerminators(pixels, scene.lights, kNearTerminator);
   model::Scene diffuse = scene;
-  diffuse.reflectance.specular_model = model::SpecularModel::kNone;
-  diffuse.reflectance.specular = 0.0;
+  diffuse.reflectance.lobes.fill({});
   const auto predict = [&](const observe::Observations& of) {
     return solve::Predict(of, diffuse, options);
   };
@@ -132,7 +131,7 @@ Unmodelled TryUnmodelled(const observe::Observations& observations,
   const model::Scene& scene = solution.scene;
   solve::EvaluateOptions options;
   options.huber = solution.evaluate.huber;
-  options.samples_per_side = solve::FootprintSamples(sample, scene.reflectance.shininess, 2);
+  options.samples_per_side = solve::FootprintSamples(sample, scene.reflectance, 2);
   options.shadows = solve::CastShadows(sample, scene);
   Unmodelled out;
   out.as_modelled = solve::Evaluate(sample, scene, options);

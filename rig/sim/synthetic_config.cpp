@@ -97,9 +97,12 @@ void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
     CheckColour(check, "reflectance/albedo", given->albedo);
     check.From("reflectance/ambient", given->ambient, 0.0, kMaxValue);
     check.From("reflectance/diffuse", given->diffuse, 0.0, kMaxValue);
-    check.From("reflectance/specular", given->specular, 0.0, kMaxValue);
-    check.From("reflectance/shininess", given->shininess, estimator::model::kMinShininess,
-               estimator::model::kMaxShininess);
+    for (const estimator::model::Lobe& lobe : given->lobes) {
+      const auto& facts = FactsOf(lobe.model);
+      check.From("reflectance/specular", lobe.strength, 0.0, kMaxValue);
+      check.From(std::string("reflectance/") + facts.shape_key, lobe.shape, facts.least_shape,
+                 facts.most_shape);
+    }
     check.From("reflectance/roughness_deg", RadToDeg(given->roughness), 0.0, 90.0);
     return;
   }

@@ -255,14 +255,18 @@ void AddLights(ordered_json& json, const SyntheticConfig& config) {
 
 void AddReflectance(ordered_json& json, const SyntheticConfig& config) {
   if (const auto* given = std::get_if<estimator::model::Reflectance>(&config.reflectance)) {
-    json["reflectance"] = ordered_json{{"model", WordOf(given->specular_model)},
+    json["reflectance"] = ordered_json{{"model", WordOf(given->lobes[0].model)},
                                        {"diffuse_model", WordOf(given->diffuse_model)},
                                        {"albedo", ToJson(given->albedo)},
                                        {"ambient", given->ambient},
                                        {"diffuse", given->diffuse},
-                                       {"specular", given->specular},
-                                       {"shininess", given->shininess},
+                                       {"specular", given->lobes[0].strength},
+                                       {"shininess", given->lobes[0].shape},
                                        {"roughness_deg", RadToDeg(given->roughness)}};
+    if (estimator::results::NeedsLobeList(*given)) {
+      json["reflectance"]["lobes"] = estimator::results::LobeList(*given);
+      json["reflectance"]["shininess"] = nullptr;
+    }
     return;
   }
   const auto& random = std::get<RandomReflectance>(config.reflectance);

@@ -136,8 +136,8 @@ rig::sim::SyntheticConfig SmallConfig() {
   reflectance.albedo = {0.5, 0.4, 0.3};
   reflectance.ambient = 0.1;
   reflectance.diffuse = 0.7;
-  reflectance.specular = 0.3;
-  reflectance.shininess = 30.0;
+  reflectance.lobes[0].strength = 0.3;
+  reflectance.lobes[0].shape = 30.0;
   config.reflectance = reflectance;
   return config;
 }

@@ -105,7 +105,7 @@ TEST(Render, SettingsAndLightsAreTheScene) {
   WriteSession(SmallConfig(), folder / "s");
   rig::sim::SyntheticConfig other = SmallConfig();
   auto& reflectance = std::get<estimator::model::Reflectance>(other.reflectance);
-  reflectance.shininess = 80.0;
+  reflectance.lobes[0].shape = 80.0;
   reflectance.albedo = {0.1, 0.2, 0.3};
   other.lights = std::vector<rig::sim::LightSpec>{{{0, 0, 1}, {}, 0.25, {1, 1, 1}},
                                                   {{-1, 0, 1}, 700.0, 0.5, {1, 1, 1}}};

@@ -84,14 +84,14 @@ TEST(Settings, ChangeWhatTheySay) {
         "roughness_deg=20", "model=blinn-phong", "light.1.intensity=0.7"})
     ASSERT_TRUE(ApplySetting(setting, scene)) << setting;
   const estimator::model::Reflectance& r = scene.reflectance;
-  EXPECT_EQ(r.shininess, 80.0);
+  EXPECT_EQ(r.lobes[0].shape, 80.0);
   EXPECT_EQ(r.ambient, 0.1);
-  EXPECT_EQ(r.specular, 0.2);
+  EXPECT_EQ(r.lobes[0].strength, 0.2);
   EXPECT_EQ(r.diffuse, 0.3);
   EXPECT_EQ(r.albedo, Eigen::Vector3d(0.4, 0.5, 0.6));
   EXPECT_DOUBLE_EQ(r.roughness, DegToRad(20.0));
   EXPECT_EQ(r.diffuse_model, estimator::model::DiffuseModel::kOrenNayar);
-  EXPECT_EQ(r.specular_model, estimator::model::SpecularModel::kBlinnPhong);
+  EXPECT_EQ(r.lobes[0].model, estimator::model::SpecularModel::kBlinnPhong);
   EXPECT_EQ(scene.lights[1].intensity, 0.7);
   EXPECT_EQ(scene.lights[0].intensity, 1.0);
 }

@@ -37,7 +37,7 @@ TEST(Summary, SaysWhatWasFound) {
 TEST(Summary, WhatIsNotKnownHasNoNumber) {
   estimator::Estimate estimate = estimator::results::ExampleEstimate();
   estimate.sigma.diffuse = 0.083;
-  estimate.sigma.shininess = std::nullopt;
+  estimate.sigma.lobes[0].shape = std::nullopt;
   estimate.undetermined = {"reflectance/diffuse", "reflectance/shininess", "lights/0/distance"};
   const std::string text = Summary(estimate, "ball", "mm");
   EXPECT_THAT(text, HasSubstr("diffuse     not known (sigma 0.083)"));

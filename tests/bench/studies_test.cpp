@@ -98,8 +98,8 @@ estimator::model::Scene SmallTruth() {
   truth.reflectance.albedo = {0.6, 0.8, 1.0};
   truth.reflectance.ambient = 0.1;
   truth.reflectance.diffuse = 0.25;
-  truth.reflectance.specular = 0.2;
-  truth.reflectance.shininess = 40.0;
+  truth.reflectance.lobes[0].strength = 0.2;
+  truth.reflectance.lobes[0].shape = 40.0;
   return truth;
 }
 
@@ -189,10 +189,10 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
     ASSERT_TRUE(config) << config.error().text;
     const auto& lights = std::get<std::vector<rig::sim::LightSpec>>(config->lights);
     const auto& material = std::get<estimator::model::Reflectance>(config->reflectance);
-    EXPECT_GE(material.shininess, 20.0);
+    EXPECT_GE(material.lobes[0].shape, 20.0);
     const auto seen = SeenSurface::Build(*config);
     ASSERT_TRUE(seen);
-    const double width = 2.0 * std::acos(std::exp2(-1.0 / material.shininess));
+    const double width = 2.0 * std::acos(std::exp2(-1.0 / material.lobes[0].shape));
     double weakest = INFINITY, strongest = 0.0;
     estimator::model::Scene scene{{}, material};
     for (const rig::sim::LightSpec& a : lights) {
@@ -204,7 +204,7 @@ TEST(RandomScenes, KeepWhatTheyPromise) {
         }
       const estimator::model::Light light{a.direction, a.distance ? 1.0 / *a.distance : 0.0,
                                           a.intensity, a.color};
-      EXPECT_GE(seen->ViewsOfHighlight(light, material.shininess, 4), 2);
+      EXPECT_GE(seen->ViewsOfHighlight(light, material.lobes[0].shape, 4), 2);
       scene.lights.push_back(light);
       EXPECT_GE(seen->HighlightPeak(scene, light), 0.05);
     }

@@ -91,11 +91,11 @@ TEST(Determined, EachValueWhoseSigmaAllowsAnything) {
   estimate.sigma.albedo[2] = 0.7;
   EXPECT_THAT(UnknownOf(estimate), ElementsAre("reflectance/albedo/2"));
   estimate = Known();
-  estimate.sigma.shininess = std::nullopt;
+  estimate.sigma.lobes[0].shape = std::nullopt;
   EXPECT_THAT(UnknownOf(estimate),
               ElementsAre("reflectance/shininess", "reflectance/lobe/fwhm_deg"));
   estimate = Known();
-  estimate.sigma.specular = 5.0;
+  estimate.sigma.lobes[0].strength = 5.0;
   EXPECT_THAT(UnknownOf(estimate), ElementsAre("reflectance/specular", "reflectance/lobe/peak"));
   estimate = Known();
   estimate.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;

@@ -64,30 +64,40 @@ TEST(Scale, AnEstimateKeepsWhatIsNoRadiance) {
   estimate.reflectance = {Vector3d::Ones(), 1.0, 1.0, 1.0, 1.0};
   estimate.sigma = {Vector3d::Ones(), 1.0, 1.0, 1.0, 1.0, 1.0};
   estimate.stat.albedo = estimate.stat.ambient_product = Vector3d::Ones();
-  estimate.stat.ambient = estimate.stat.diffuse = estimate.stat.specular = 1.0;
-  estimate.stat.shininess = 1.0;
+  estimate.stat.ambient = estimate.stat.diffuse = estimate.stat.lobes[0].strength = 1.0;
+  estimate.stat.lobes[0].shape = 1.0;
   estimate.ambient_product = estimate.ambient_product_sigma = Vector3d::Ones();
   estimate.initial_rms = estimate.rms = estimate.condition = 1.0;
   estimate.history = {{0, 1.0}};
   Scale(estimate, 4.0);
-  for (const double scaled : {light.diffuse_product[1],      light.diffuse_product_sigma[2],
-                              light.specular_product,        light.specular_product_sigma,
-                              stat.diffuse_product[0],       stat.specular_product,
-                              estimate.reflectance.ambient,  estimate.reflectance.diffuse,
-                              estimate.reflectance.specular, estimate.sigma.ambient,
-                              estimate.sigma.diffuse,        estimate.sigma.specular,
-                              estimate.stat.ambient,         estimate.stat.diffuse,
-                              estimate.stat.specular,        estimate.stat.ambient_product[0],
-                              estimate.ambient_product[1],   estimate.ambient_product_sigma[2],
-                              estimate.initial_rms,          estimate.rms,
+  for (const double scaled : {light.diffuse_product[1],
+                              light.diffuse_product_sigma[2],
+                              light.specular_product,
+                              light.specular_product_sigma,
+                              stat.diffuse_product[0],
+                              stat.specular_product,
+                              estimate.reflectance.ambient,
+                              estimate.reflectance.diffuse,
+                              estimate.reflectance.lobes[0].strength,
+                              estimate.sigma.ambient,
+                              estimate.sigma.diffuse,
+                              estimate.sigma.lobes[0].strength,
+                              estimate.stat.ambient,
+                              estimate.stat.diffuse,
+                              estimate.stat.lobes[0].strength,
+                              estimate.stat.ambient_product[0],
+                              estimate.ambient_product[1],
+                              estimate.ambient_product_sigma[2],
+                              estimate.initial_rms,
+                              estimate.rms,
                               estimate.history[0].rms})
     EXPECT_EQ(scaled, 4.0);
   for (const double same :
        {light.light.intensity, *light.intensity_sigma, light.direction_sigma,
         light.inverse_distance_sigma, stat.direction, stat.intensity,
-        estimate.reflectance.albedo[0], estimate.reflectance.shininess, estimate.sigma.albedo[0],
-        *estimate.sigma.shininess, *estimate.sigma.roughness, estimate.stat.albedo[0],
-        estimate.stat.shininess, estimate.condition})
+        estimate.reflectance.albedo[0], estimate.reflectance.lobes[0].shape,
+        estimate.sigma.albedo[0], *estimate.sigma.lobes[0].shape, *estimate.sigma.roughness,
+        estimate.stat.albedo[0], estimate.stat.lobes[0].shape, estimate.condition})
     EXPECT_EQ(same, 1.0);
 }
 

@@ -63,9 +63,9 @@ TEST(Facets, TurnOfKnownMeshes) {
 
 Estimate Shiny(double shininess, model::SpecularModel specular_model) {
   Estimate estimate;
-  estimate.reflectance.specular = 0.5;
-  estimate.reflectance.shininess = shininess;
-  estimate.reflectance.specular_model = specular_model;
+  estimate.reflectance.lobes[0].strength = 0.5;
+  estimate.reflectance.lobes[0].shape = shininess;
+  estimate.reflectance.lobes[0].model = specular_model;
   return estimate;
 }
 

@@ -104,16 +104,16 @@ void ExpectTruth(const Estimate& estimate, const model::Scene& truth) {
       const double product = r.albedo[c] * r.diffuse * light.intensity;
       EXPECT_NEAR(nearest->diffuse_product[c] / product, 1.0, 0.01);
     }
-    if (r.specular > 0.0) {
-      EXPECT_NEAR(nearest->specular_product / (r.specular * light.intensity), 1.0, 0.01);
+    if (r.lobes[0].strength > 0.0) {
+      EXPECT_NEAR(nearest->specular_product / (r.lobes[0].strength * light.intensity), 1.0, 0.01);
     }
   }
   for (int c = 0; c < 3; ++c)
     EXPECT_NEAR(estimate.ambient_product[c] / (r.albedo[c] * r.ambient), 1.0, 0.01);
-  if (r.specular > 0.0) {
-    EXPECT_NEAR(estimate.reflectance.shininess / r.shininess, 1.0, 0.01);
+  if (r.lobes[0].strength > 0.0) {
+    EXPECT_NEAR(estimate.reflectance.lobes[0].shape / r.lobes[0].shape, 1.0, 0.01);
   } else {
-    EXPECT_EQ(estimate.reflectance.specular_model, model::SpecularModel::kNone);
+    EXPECT_EQ(estimate.reflectance.lobes[0].model, model::SpecularModel::kNone);
   }
 }
 

@@ -53,7 +53,7 @@ TEST(ModelChoice, LeftOpenTheDataDecide) {
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;
   EXPECT_EQ(e.lights.size(), 2u);
-  EXPECT_EQ(e.reflectance.specular_model, model::SpecularModel::kPhong);
+  EXPECT_EQ(e.reflectance.lobes[0].model, model::SpecularModel::kPhong);
   EXPECT_EQ(e.reflectance.diffuse_model, model::DiffuseModel::kLambert);
   for (const LightEstimate& light : e.lights) EXPECT_TRUE(light.near);
   for (const model::Rung& rung : e.ladder)
@@ -86,8 +86,8 @@ void ExpectReflectanceAsAsked(model::SpecularModel specular, model::DiffuseModel
   const auto output = EstimateWith(choice);
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;
-  EXPECT_EQ(e.reflectance.specular_model, specular);
-  EXPECT_EQ(e.reflectance.specular > 0.0, specular != model::SpecularModel::kNone);
+  EXPECT_EQ(e.reflectance.lobes[0].model, specular);
+  EXPECT_EQ(e.reflectance.lobes[0].strength > 0.0, specular != model::SpecularModel::kNone);
   EXPECT_EQ(e.reflectance.diffuse_model, diffuse);
   ExpectAsAsked(e, "specular", specular != model::SpecularModel::kNone);
   ExpectAsAsked(e, "blinn-phong", specular == model::SpecularModel::kBlinnPhong);
@@ -150,14 +150,14 @@ TEST(ModelChoice, TheLobeIsThatOfThePictures) {
        {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong}) {
     rig::sim::SyntheticConfig config = Ball(0.004, 0.1);
     auto& reflectance = std::get<model::Reflectance>(config.reflectance);
-    reflectance.specular_model = model;
-    reflectance.shininess = 60.0;
+    reflectance.lobes[0].model = model;
+    reflectance.lobes[0].shape = 60.0;
     const auto output = EstimateWith(config, {});
     ASSERT_TRUE(output) << output.error().text;
     const Estimate& e = output->estimate;
     EXPECT_EQ(e.lights.size(), 2u);
-    EXPECT_EQ(e.reflectance.specular_model, model);
-    EXPECT_NEAR(e.reflectance.shininess, 60.0, 3.0);
+    EXPECT_EQ(e.reflectance.lobes[0].model, model);
+    EXPECT_NEAR(e.reflectance.lobes[0].shape, 60.0, 3.0);
     const model::Rung* rung = Find(e, "blinn-phong");
     ASSERT_NE(rung, nullptr);
     EXPECT_EQ(rung->accepted, model == model::SpecularModel::kBlinnPhong) << rung->why;
@@ -168,7 +168,7 @@ TEST(ModelChoice, AmbientLightAloneIsNoLight) {
   rig::sim::SyntheticConfig config = Ball(0.01, 0.5);
   auto& reflectance = std::get<model::Reflectance>(config.reflectance);
   reflectance.diffuse = 0.0;
-  reflectance.specular = 0.0;
+  reflectance.lobes[0].strength = 0.0;
   const auto output = EstimateWith(config, {});
   ASSERT_TRUE(output) << output.error().text;
   const Estimate& e = output->estimate;

@@ -39,7 +39,7 @@ TEST(Notes, NoneWhereThereIsNothingToSay) {
 TEST(Notes, EachHasItsReason) {
   Estimate estimate = Unremarkable();
   estimate.distinct_views = 2;
-  estimate.reflectance.specular_model = model::SpecularModel::kNone;
+  estimate.reflectance.lobes[0].model = model::SpecularModel::kNone;
   estimate.channels = 1;
   estimate.lights.emplace_back();
   estimate.stopped = solve::Stopped::kIterationLimit;

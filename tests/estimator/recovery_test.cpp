@@ -67,7 +67,7 @@ TEST(RecoveryTest, StatedSigmasAreThoseOfTheErrors) {
     }
     for (int c = 0; c < 3; ++c)
       spreads["ambient " + std::to_string(c)].Add(e.ambient_product[c], e.ambient_product_sigma[c]);
-    spreads["shininess"].Add(e.reflectance.shininess, e.sigma.shininess.value());
+    spreads["shininess"].Add(e.reflectance.lobes[0].shape, e.sigma.lobes[0].shape.value());
   }
   for (const auto& [name, spread] : spreads) {
     const double ratio = spread.Deviation() / spread.StatedMean();
@@ -156,7 +156,7 @@ TEST(RepeatabilityTest, SameBitsWithAnyNumberOfThreads) {
       all.push_back(light.direction_sigma);
     }
     all.push_back(output->estimate.rms);
-    all.push_back(output->estimate.reflectance.shininess);
+    all.push_back(output->estimate.reflectance.lobes[0].shape);
     if (first.empty()) first = all;
     EXPECT_EQ(all, first) << threads << " threads";
   }

@@ -58,7 +58,8 @@ TEST(FillFromFit, IsTheFitInTheResultsGauge) {
                e.reflectance.albedo * e.reflectance.diffuse * light.light.intensity)
                   .norm(),
               1e-15);
-    EXPECT_NEAR(light.specular_product, e.reflectance.specular * light.light.intensity, 1e-15);
+    EXPECT_NEAR(light.specular_product, e.reflectance.lobes[0].strength * light.light.intensity,
+                1e-15);
   }
 }
 
@@ -104,7 +105,7 @@ TEST(FillFromFit, TotalSigmasAreNoSmallerThanTheStatistical) {
     EXPECT_GE(e.lights[l].specular_product_sigma, e.stat.lights[l].specular_product);
   }
   EXPECT_GE(e.sigma.ambient, e.stat.ambient);
-  EXPECT_GE(*e.sigma.shininess, e.stat.shininess);
+  EXPECT_GE(*e.sigma.lobes[0].shape, e.stat.lobes[0].shape);
 }
 
 }  // namespace

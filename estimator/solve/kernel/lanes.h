@@ -15,6 +15,7 @@ namespace turnlight::estimator::solve::kernel {
 namespace {
 
 #define TURNLIGHT_INLINE inline __attribute__((always_inline))
+#define TURNLIGHT_LAMBDA __attribute__((always_inline))
 
 template <typename Real>
 struct LaneTypes;
@@ -50,6 +51,8 @@ struct Lanes {
                                                  : __builtin_sqrt(static_cast<double>(v[i])));
     return v;
   }
+  static V LogOneMinus(V c);
+  static V ExpNegative(V x);
   static TURNLIGHT_INLINE bool Any(I mask) {
     std::int64_t any = 0;
     for (int i = 0; i < kLanes; ++i) any |= mask[i];
@@ -87,7 +90,8 @@ TURNLIGHT_INLINE typename Lanes<Real>::V LoadBytes(const std::uint8_t* from) {
 
 // log(1 - c) for c in [0, 1). With t = fl(1 - c): log t * (-c) / (t - 1) undoes the rounding of t.
 // log t from t = m 2^k, m in [sqrt 1/2, sqrt 2), log m = 2 atanh((m - 1) / (m + 1)).
-TURNLIGHT_INLINE Lanes<float>::V LogOneMinus(Lanes<float>::V c) {
+template <>
+TURNLIGHT_INLINE Lanes<float>::V Lanes<float>::LogOneMinus(Lanes<float>::V c) {
   using L = Lanes<float>;
   const L::V t = L::Max(1.0f - c, L::Splat(1e-30));
   L::I bits = (L::I)t;
@@ -104,14 +108,16 @@ TURNLIGHT_INLINE Lanes<float>::V LogOneMinus(Lanes<float>::V c) {
   const L::V rounded = t - 1.0f;
   return rounded == 0.0f ? -c : log_t * (-c) / (rounded == 0.0f ? L::Splat(1.0) : rounded);
 }
-TURNLIGHT_INLINE Lanes<double>::V LogOneMinus(Lanes<double>::V c) {
+template <>
+TURNLIGHT_INLINE Lanes<double>::V Lanes<double>::LogOneMinus(Lanes<double>::V c) {
   for (int i = 0; i < kLanes; ++i) c[i] = __builtin_log1p(-__builtin_fmin(c[i], 1.0 - 1e-16));
   return c;
 }
 
 // exp(x) for x <= 0, and exactly 0 below -40: denormal numbers would cost a hundred times a normal
 // operation. x = k log 2 + r, |r| <= 0.35, Taylor's series of degree 7.
-TURNLIGHT_INLINE Lanes<float>::V ExpNegative(Lanes<float>::V x) {
+template <>
+TURNLIGHT_INLINE Lanes<float>::V Lanes<float>::ExpNegative(Lanes<float>::V x) {
   using L = Lanes<float>;
   const L::V clamped = L::Max(x, L::Splat(-40.0));
   const L::I k = __builtin_convertvector(clamped * 1.44269504f - 0.5f, L::I);
@@ -125,7 +131,8 @@ TURNLIGHT_INLINE Lanes<float>::V ExpNegative(Lanes<float>::V x) {
   const L::V scale = (L::V)((k + 127) << 23);
   return x < -40.0f ? L::Splat(0.0) : p * scale;
 }
-TURNLIGHT_INLINE Lanes<double>::V ExpNegative(Lanes<double>::V x) {
+template <>
+TURNLIGHT_INLINE Lanes<double>::V Lanes<double>::ExpNegative(Lanes<double>::V x) {
   for (int i = 0; i < kLanes; ++i) x[i] = x[i] < -40.0 ? 0.0 : __builtin_exp(x[i]);
   return x;
 }

@@ -15,10 +15,10 @@ inline constexpr int kLanes = 16;
 inline constexpr int kTilePixels = 256;
 inline constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;  // fills up a tile
 inline constexpr int kMaxSamples = 8;                   // per side of a footprint
-inline constexpr int kSharedFixed = 5;  // ambient, diffuse, specular, log shininess, roughness^2
-inline constexpr int kPerLight = 4;     // intensity, two tangents, inverse distance
-
-enum class Specular { kNone, kPhong, kBlinnPhong };
+inline constexpr int kPerLight = 4;                     // intensity, two tangents, inverse distance
+inline constexpr int kMostLobes = 2;
+inline constexpr int kMostBeforeLights = 3 + 3 * kMostLobes;
+inline constexpr int kDiffuseConstants = 4;
 
 struct KernelLight {
   double direction[3];
@@ -27,27 +27,35 @@ struct KernelLight {
   double intensity;
 };
 
+struct KernelLobe {
+  int number;  // in model::reflectance::Lobes
+  double strength, shape, f0;
+  int strength_row, shape_row, f0_row;  // the last: -1 if it has none
+};
+
 // The model, and everything about it that does not change from pixel to pixel.
 struct KernelModel {
   int channels;
   int lights;
   const KernelLight* light;
   double albedo[3];
-  double ambient, diffuse, specular, shininess;
-  Specular specular_model;
-  bool oren_nayar;
-  double oren_nayar_a, oren_nayar_b;    // A and B of Oren and Nayar
-  double oren_nayar_da, oren_nayar_db;  // their derivatives by its square
-  double huber;                         // 0: squares
-  bool weighted;                        // the pixels have weights
-  bool gradient_only;                   // leave out the sums of products of rows
+  double ambient, diffuse;
+  int diffuse_model;  // number in model::reflectance::DiffuseModels
+  double diffuse_constants[kDiffuseConstants];
+  int lobes;
+  KernelLobe lobe[kMostLobes];
+  // Rows of the parameters that all lights share; those of the lights follow.
+  int ambient_row, diffuse_row, roughness_row, first_light_row;
+  double huber;        // 0: squares
+  bool weighted;       // the pixels have weights
+  bool gradient_only;  // leave out the sums of products of rows
   // Gauss-Legendre nodes on [-1/2, 1/2] and weights (sum 1) for each number of samples per side.
   double node[kMaxSamples + 1][kMaxSamples];
   double weight[kMaxSamples + 1][kMaxSamples];
   // Cholesky factor of [sum O^2, sum O; sum O, channels].
   double l11, l21, l22;
 
-  int Shared() const { return kSharedFixed + kPerLight * lights; }
+  int Shared() const { return first_light_row + kPerLight * lights; }
 };
 
 // Pointers to one chunk's arrays of Observations; count is a multiple of kTilePixels.

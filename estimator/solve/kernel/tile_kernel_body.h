@@ -10,48 +10,65 @@ namespace {
 template <typename Real>
 struct Shading {
   using V = typename Lanes<Real>::V;
-  V diffuse, specular, by_shininess, by_roughness;
+  V diffuse, by_roughness;
+  V specular[kMostLobes], by_shape[kMostLobes], by_f0[kMostLobes];
 };
 
 // A light as a block sees it.
 template <typename Real>
 struct LightAt {
+  const KernelLight& light;
   Vector3<Real> l;                                     // unit
   typename Lanes<Real>::V falloff, inverse, parallax;  // a_l, 1 / |L|, rho / |L|
+
+  // The direction in which parameter k of a light's place moves L: two tangents, the distance.
+  TURNLIGHT_INLINE Vector3<Real> Along(const Block<Real>& block, int k) const {
+    return k < 2 ? SplatVector<Real>(light.tangent[k]) : block.position * Lanes<Real>::Splat(-1.0);
+  }
 };
 
-// The rows of one light: its intensity, two tangents, and inverse distance.
+// The diffuse rows of one light: its intensity, two tangents, and inverse distance.
 template <typename Real>
-TURNLIGHT_INLINE void StoreLightRows(const KernelModel& model, const Block<Real>& block, int index,
-                                     const LightAt<Real>& at, const Term<Real>& diffuse,
-                                     const Term<Real>& specular, bool shiny, const Rows<Real>& rows,
-                                     int offset) {
+TURNLIGHT_INLINE void StoreDiffuseRows(const KernelModel& model, const Block<Real>& block, int row,
+                                       const LightAt<Real>& at, const DiffuseTerm<Real>& diffuse,
+                                       const Rows<Real>& rows, int offset) {
   using L = Lanes<Real>;
   using V = typename L::V;
-  const V zero = L::Splat(0.0);
-  const KernelLight& light = model.light[index];
-  const V intensity = L::Splat(light.intensity);
-  const Vector3<Real>& l = at.l;
-  const V &falloff = at.falloff, &inverse = at.inverse, &parallax = at.parallax;
-  const V kd = L::Splat(model.diffuse), ks = L::Splat(model.specular);
-  const int row = kSharedFixed + kPerLight * index;
-  L::Store(rows.A(row) + offset, kd * falloff * diffuse.value);
-  L::Store(rows.B(row) + offset, ks * falloff * specular.value);
+  const V intensity = L::Splat(at.light.intensity), kd = L::Splat(model.diffuse);
+  L::Store(rows.A(row) + offset, kd * at.falloff * diffuse.value);
   // f(l) / |L|^2 by L along e: (g.e - (g.l + 2 f)(l.e)) / |L|^3
-  const V cube = falloff * inverse * intensity;
-  const V diffuse_l = diffuse.gradient.Dot(l) + Real(2) * diffuse.value;
-  const V specular_l = specular.gradient.Dot(l) + Real(2) * specular.value;
+  const V cube = at.falloff * at.inverse * intensity;
+  const V by_l = diffuse.gradient.Dot(at.l) + Real(2) * diffuse.value;
   for (int k = 0; k < 3; ++k) {
-    const Vector3<Real> e =
-        k < 2 ? SplatVector<Real>(light.tangent[k]) : block.position * L::Splat(-1.0);
-    const V le = l.Dot(e);
-    L::Store(rows.A(row + 1 + k) + offset, kd * cube * (diffuse.gradient.Dot(e) - diffuse_l * le));
+    const Vector3<Real> e = at.Along(block, k);
+    L::Store(rows.A(row + 1 + k) + offset,
+             kd * cube * (diffuse.gradient.Dot(e) - by_l * at.l.Dot(e)));
+  }
+}
+
+// The same of a lobe. add: to those of the lobes before.
+template <typename Real>
+TURNLIGHT_INLINE void StoreLobeRows(double strength, bool add, const Block<Real>& block, int row,
+                                    const LightAt<Real>& at, const LobeMean<Real>& lobe, bool shiny,
+                                    const Rows<Real>& rows, int offset) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0), intensity = L::Splat(at.light.intensity), ks = L::Splat(strength);
+  const auto store = [&](int i, V value) TURNLIGHT_LAMBDA {
+    Real* to = rows.B(i) + offset;
+    L::Store(to, add ? L::Load(to) + value : value);
+  };
+  store(row, ks * at.falloff * lobe.value);
+  const V cube = at.falloff * at.inverse * intensity;
+  const V by_l = lobe.gradient.Dot(at.l) + Real(2) * lobe.value;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3<Real> e = at.Along(block, k);
+    const V le = at.l.Dot(e);
     // How the parallax within the pixel changes: rho itself, and the distance.
-    const V changed = (k < 2 ? zero : inverse) - parallax * inverse * le;
-    const V by_parallax = falloff * intensity * specular.by_parallax * changed;
-    L::Store(
-        rows.B(row + 1 + k) + offset,
-        shiny ? ks * (cube * (specular.gradient.Dot(e) - specular_l * le) + by_parallax) : zero);
+    const V changed = (k < 2 ? zero : at.inverse) - at.parallax * at.inverse * le;
+    const V by_parallax = at.falloff * intensity * lobe.by_parallax * changed;
+    store(row + 1 + k,
+          shiny ? ks * (cube * (lobe.gradient.Dot(e) - by_l * le) + by_parallax) : zero);
   }
 }
 
@@ -61,7 +78,7 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
   using L = Lanes<Real>;
   using V = typename L::V;
   const V zero = L::Splat(0.0);
-  Shading<Real> sum{zero, zero, zero, zero};
+  Shading<Real> sum{zero, zero, {zero, zero}, {zero, zero}, {zero, zero}};
   for (int index = 0; index < model.lights; ++index) {
     const KernelLight& light = model.light[index];
     const V rho = L::Splat(light.inverse_distance), intensity = L::Splat(light.intensity);
@@ -71,20 +88,38 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
     const V nl = block.normal.Dot(l);
     V falloff = nl > zero ? inverse * inverse * block.valid : zero;
     if (block.lit) falloff *= LoadBytes<Real>(block.lit[index] + block.at);
-    const Term<Real> diffuse = Diffuse(model, block, l, nl);
-    Term<Real> specular{zero, zero, {zero, zero, zero}, zero};
-    const V parallax = rho * inverse;
-    const bool shiny =
-        model.specular_model != Specular::kNone && LobeReaches(model, block, l, samples);
-    if (shiny) specular = SpecularMean(model, block, l, parallax, samples);
+    const LightAt<Real> at{light, l, falloff, inverse, rho * inverse};
+    const int row = model.first_light_row + kPerLight * index;
+    const DiffuseTerm<Real> diffuse = Diffuse(model, block, l, nl);
     sum.diffuse += intensity * falloff * diffuse.value;
-    sum.specular += intensity * falloff * specular.value;
-    sum.by_shininess += intensity * falloff * specular.by_parameter;
-    sum.by_roughness += intensity * falloff * diffuse.by_parameter;
-    if constexpr (kJacobian)
-      StoreLightRows(model, block, index, LightAt<Real>{l, falloff, inverse, parallax}, diffuse,
-                     specular, shiny, rows, offset);
+    sum.by_roughness += intensity * falloff * diffuse.by_shape;
+    if constexpr (kJacobian) StoreDiffuseRows(model, block, row, at, diffuse, rows, offset);
+    for (int k = 0; k < model.lobes; ++k) {
+      const KernelLobe& lobe = model.lobe[k];
+      LobeMean<Real> mean{zero, zero, zero, {zero, zero, zero}, zero};
+      bool shiny = false;
+      reflectance::Lobes::Visit(lobe.number, [&](auto of) TURNLIGHT_LAMBDA {
+        shiny = MeanOf<decltype(of)>(model, lobe, block, l, at.parallax, samples, mean);
+      });
+      sum.specular[k] += intensity * falloff * mean.value;
+      sum.by_shape[k] += intensity * falloff * mean.by_shape;
+      sum.by_f0[k] += intensity * falloff * mean.by_f0;
+      if constexpr (kJacobian)
+        StoreLobeRows(lobe.strength, k > 0, block, row, at, mean, shiny, rows, offset);
+    }
   }
+  return sum;
+}
+
+// The white part of a block's radiance: that of the lobes.
+template <typename Real>
+TURNLIGHT_INLINE typename Lanes<Real>::V White(const KernelModel& model,
+                                               const Shading<Real>& shading) {
+  using L = Lanes<Real>;
+  auto sum = L::Splat(0.0);
+  if (model.lobes > 0) sum = L::Splat(model.lobe[0].strength) * shading.specular[0];
+  for (int k = 1; k < model.lobes; ++k)
+    sum += L::Splat(model.lobe[k].strength) * shading.specular[k];
   return sum;
 }
 
@@ -122,11 +157,11 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
   using V = typename L::V;
   const V zero = L::Splat(0.0), one = L::Splat(1.0);
   const V albedo_row = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
+  const V white = White(model, shading);
   V residual[3], square = zero, residual_a = zero, residual_b = zero;
   for (int c = 0; c < model.channels; ++c) {
-    residual[c] = (L::Splat(model.albedo[c]) * albedo_row +
-                   L::Splat(model.specular) * shading.specular - block.radiance[c]) *
-                  block.valid;
+    residual[c] =
+        (L::Splat(model.albedo[c]) * albedo_row + white - block.radiance[c]) * block.valid;
     const V weighted = model.weighted ? residual[c] * block.weight : residual[c];
     square += weighted * weighted;
   }
@@ -140,17 +175,24 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
   L::Store(rows.Albedo() + offset, albedo_row * weight);
   L::Store(rows.ResidualA() + offset, residual_a);
   L::Store(rows.ResidualB() + offset, residual_b);
-  const V a[kSharedFixed] = {one, shading.diffuse, zero, zero,
-                             L::Splat(model.diffuse) * shading.by_roughness};
-  const V b[kSharedFixed] = {zero, zero, shading.specular,
-                             L::Splat(model.specular * model.shininess) * shading.by_shininess,
-                             zero};
-  for (int i = 0; i < kSharedFixed; ++i) {
+  V a[kMostBeforeLights], b[kMostBeforeLights];
+  for (int i = 0; i < model.first_light_row; ++i) a[i] = b[i] = zero;
+  a[model.ambient_row] = one;
+  a[model.diffuse_row] = shading.diffuse;
+  a[model.roughness_row] = L::Splat(model.diffuse) * shading.by_roughness;
+  for (int k = 0; k < model.lobes; ++k) {
+    const KernelLobe& lobe = model.lobe[k];
+    b[lobe.strength_row] = shading.specular[k];
+    // By the logarithm of the shape.
+    b[lobe.shape_row] = L::Splat(lobe.strength * lobe.shape) * shading.by_shape[k];
+    if (lobe.f0_row >= 0) b[lobe.f0_row] = L::Splat(lobe.strength) * shading.by_f0[k];
+  }
+  for (int i = 0; i < model.first_light_row; ++i) {
     L::Store(rows.A(i) + offset, a[i] * weight);
     L::Store(rows.B(i) + offset, b[i] * weight);
   }
   if (model.huber > 0.0 || model.weighted) {
-    for (int i = kSharedFixed; i < rows.shared; ++i) {
+    for (int i = model.first_light_row; i < rows.shared; ++i) {
       L::Store(rows.A(i) + offset, L::Load(rows.A(i) + offset) * weight);
       L::Store(rows.B(i) + offset, L::Load(rows.B(i) + offset) * weight);
     }
@@ -211,7 +253,7 @@ template <typename Real>
 TURNLIGHT_INLINE void AddTile(const KernelModel& model, const Rows<Real>& rows, Real* sums) {
   using L = Lanes<Real>;
   const int n = rows.shared;
-  const bool specular = model.specular_model != Specular::kNone;
+  const bool specular = model.lobes > 0;
   Real* linear = sums + PairSums(n);
   for (int i = 0; i < n; ++i) {
     AddDot(linear + (3 * i) * kLanes, rows.A(i), rows.ResidualA());
@@ -314,9 +356,9 @@ TURNLIGHT_INLINE void PredictTiles(const KernelModel& model, const KernelPixels&
       const auto block = LoadBlock<Real>(model, pixels, at, samples);
       const auto shading = ShadeBlock<Real, false>(model, block, samples, rows, offset);
       const auto diffuse = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
+      const auto white = White(model, shading);
       for (int c = 0; c < model.channels; ++c)
-        L::Store(out[c] + at,
-                 L::Splat(model.albedo[c]) * diffuse + L::Splat(model.specular) * shading.specular);
+        L::Store(out[c] + at, L::Splat(model.albedo[c]) * diffuse + white);
     }
   }
 }

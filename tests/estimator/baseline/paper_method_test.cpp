@@ -253,8 +253,8 @@ model::Scene PaperScene(const std::vector<Vector3d>& directions,
   r.albedo = {0.5, 0.4, 0.2};
   r.ambient = 0.2;
   r.diffuse = 0.7;
-  r.specular = 0.3;
-  r.shininess = 30.0;
+  r.lobes[0].strength = 0.3;
+  r.lobes[0].shape = 30.0;
   return scene;
 }
 
@@ -262,8 +262,8 @@ TEST(PaperDescentTest, NeverRaisesTheCostAndKeepsTheRanges) {
   // Brighter and sharper than the ranges allow.
   const std::vector<Vector3d> directions = {FromAngles(30.0, 20.0), FromAngles(55.0, 200.0)};
   model::Scene scene = PaperScene(directions, {9.0, 14.0}, 10.0);
-  scene.reflectance.specular = 3.0;
-  scene.reflectance.shininess = 400.0;
+  scene.reflectance.lobes[0].strength = 3.0;
+  scene.reflectance.lobes[0].shape = 400.0;
   scene.reflectance.albedo = {1.8, 0.9, 0.0};
   scene.reflectance.ambient = 0.0;
   const RandomObservations random(3000, 3, 3, &scene);
@@ -307,12 +307,12 @@ TEST(PaperDescentTest, FindsASceneOfItsModel) {
   EXPECT_LT(many.cost_history.back(), 1e-5 * many.cost_history.front());
   const model::Scene found = problem.ToScene(many.variables);
   const model::Reflectance &r = found.reflectance, &t = truth.reflectance;
-  EXPECT_NEAR(r.shininess, t.shininess, 0.01 * t.shininess);
+  EXPECT_NEAR(r.lobes[0].shape, t.lobes[0].shape, 0.01 * t.lobes[0].shape);
   for (int c = 0; c < 3; ++c)
     EXPECT_NEAR(r.albedo[c] * r.ambient, t.albedo[c] * t.ambient, 0.01 * t.albedo[c] * t.ambient);
   for (std::size_t l = 0; l < 2; ++l) {
-    const double specular = t.specular * truth.lights[l].intensity;
-    EXPECT_NEAR(r.specular * found.lights[l].intensity, specular, 0.01 * specular);
+    const double specular = t.lobes[0].strength * truth.lights[l].intensity;
+    EXPECT_NEAR(r.lobes[0].strength * found.lights[l].intensity, specular, 0.01 * specular);
     for (int c = 0; c < 3; ++c) {
       const double product = t.albedo[c] * t.diffuse * truth.lights[l].intensity;
       EXPECT_NEAR(r.albedo[c] * r.diffuse * found.lights[l].intensity, product, 0.01 * product);
@@ -386,7 +386,7 @@ TEST(PaperEstimateTest, SameBitsWithAnyNumberOfThreads) {
       all.insert(all.end(), light.light.direction.data(), light.light.direction.data() + 3);
       all.push_back(light.light.inverse_distance);
     }
-    all.push_back(output->estimate.reflectance.shininess);
+    all.push_back(output->estimate.reflectance.lobes[0].shape);
     if (first.empty()) first = all;
     EXPECT_EQ(all, first) << threads << " threads";
   }

@@ -116,8 +116,9 @@ void Score(const Estimate& estimate, const model::Scene& truth,
         tallies[name + " diffuse product"]);
   }
   Add(
-      estimate, estimate.reflectance.shininess - material.shininess, *estimate.sigma.shininess,
-      [](const Uncertainty& u) { return u.shininess; }, tallies["shininess"]);
+      estimate, estimate.reflectance.lobes[0].shape - material.lobes[0].shape,
+      *estimate.sigma.lobes[0].shape, [](const Uncertainty& u) { return u.lobes[0].shape; },
+      tallies["shininess"]);
   Add(
       estimate, estimate.ambient_product[0] - material.albedo[0] * material.ambient,
       estimate.ambient_product_sigma[0], [](const Uncertainty& u) { return u.ambient_product[0]; },
@@ -138,7 +139,7 @@ TEST(CalibrationCoverage, OfDrawsOfTheCalibration) {
     const auto estimated = EstimateSession(folder.path());
     ASSERT_TRUE(estimated) << estimated.error().text;
     const Estimate& estimate = estimated->output.estimate;
-    if (estimate.lights.size() != 2 || !estimate.sigma.shininess) continue;
+    if (estimate.lights.size() != 2 || !estimate.sigma.lobes[0].shape) continue;
     ++usable;
     Score(estimate, scene.studio.scene, tallies);
   }

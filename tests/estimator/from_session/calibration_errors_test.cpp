@@ -30,7 +30,7 @@ Eigen::VectorXd Values(const Estimate& estimate, const Estimate& at) {
     out.segment<3>(i + 3) = light.diffuse_product;
     i += 6;
   }
-  out.tail<3>() << estimate.reflectance.specular, estimate.reflectance.shininess,
+  out.tail<3>() << estimate.reflectance.lobes[0].strength, estimate.reflectance.lobes[0].shape,
       estimate.reflectance.ambient;
   return out;
 }
@@ -62,7 +62,7 @@ class Carried : public testing::Test {
     const Estimate& base = estimated_->output.estimate;
     EstimateOptions options;
     options.warm_start = base.ToScene();
-    options.model.specular = base.reflectance.specular_model;
+    options.model.specular = base.reflectance.lobes[0].model;
     options.model.diffuse = base.reflectance.diffuse_model;
     options.model.near = true;
     const auto again = EstimateScene(
@@ -111,8 +111,8 @@ class Carried : public testing::Test {
         near(said->lights[l].diffuse_product[0], i + 3, light.diffuse_product_sigma[0], "product");
       }
       const Eigen::Index last = force.rows();
-      near(said->specular, last - 3, estimate.sigma.specular, "specular");
-      near(said->shininess, last - 2, *estimate.sigma.shininess, "shininess");
+      near(said->lobes[0].strength, last - 3, estimate.sigma.lobes[0].strength, "specular");
+      near(said->lobes[0].shape, last - 2, *estimate.sigma.lobes[0].shape, "shininess");
       near(said->ambient, last - 1, estimate.sigma.ambient, "ambient");
     }
   }
@@ -142,7 +142,8 @@ class Carried : public testing::Test {
           [l](const Uncertainty& u) { return u.lights[l].diffuse_product[1]; }, "product");
     }
     check(
-        *estimate.sigma.shininess, [](const Uncertainty& u) { return u.shininess; }, "shininess");
+        *estimate.sigma.lobes[0].shape, [](const Uncertainty& u) { return u.lobes[0].shape; },
+        "shininess");
     check(
         estimate.sigma.albedo[1], [](const Uncertainty& u) { return u.albedo[1]; }, "albedo");
     check(

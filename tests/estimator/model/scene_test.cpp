@@ -86,17 +86,17 @@ TEST(DiffuseTerm, OrenNayarIsThePublishedFormula) {
 TEST(SpecularTerm, IsOneInTheMirrorAndAPowerOfTheCosineBeside) {
   Reflectance r;
   for (const double shininess : {0.5, 20.0, 3e4}) {
-    r.shininess = shininess;
+    r.lobes[0].shape = shininess;
     for (const double off : {0.0, 0.5, 12.0}) {
       const double power = std::pow(std::cos(DegToRad(off)), shininess);
-      r.specular_model = SpecularModel::kPhong;
+      r.lobes[0].model = SpecularModel::kPhong;
       EXPECT_NEAR(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(40 + off), FromZenith(-40)), power,
                   1e-11);
       // The half vector turns by half as much.
-      r.specular_model = SpecularModel::kBlinnPhong;
+      r.lobes[0].model = SpecularModel::kBlinnPhong;
       EXPECT_NEAR(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(40 + 2 * off), FromZenith(-40)),
                   power, 1e-11);
-      r.specular_model = SpecularModel::kNone;
+      r.lobes[0].model = SpecularModel::kNone;
       EXPECT_EQ(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(40 + off), FromZenith(-40)), 0.0);
     }
   }
@@ -104,12 +104,12 @@ TEST(SpecularTerm, IsOneInTheMirrorAndAPowerOfTheCosineBeside) {
 
 TEST(SpecularTerm, EndsAtTheHorizonAndARightAngleFromTheMirror) {
   Reflectance r;
-  r.shininess = 0.5;
+  r.lobes[0].shape = 0.5;
   for (const auto model : {SpecularModel::kPhong, SpecularModel::kBlinnPhong}) {
-    r.specular_model = model;
+    r.lobes[0].model = model;
     EXPECT_EQ(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(90.5), FromZenith(-85)), 0.0);
   }
-  r.specular_model = SpecularModel::kPhong;
+  r.lobes[0].model = SpecularModel::kPhong;
   EXPECT_GT(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(-29), FromZenith(-60)), 0.0);
   EXPECT_EQ(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(-31), FromZenith(-60)), 0.0);
 }
@@ -131,8 +131,8 @@ TEST(Shade, AddsLightsWithTheirFalloffColourAndShadow) {
   r.albedo = {0.8, 0.4, 0.2};
   r.ambient = 0.1;
   r.diffuse = 0.5;
-  r.specular = 0.25;
-  r.shininess = 10.0;
+  r.lobes[0].strength = 0.25;
+  r.lobes[0].shape = 10.0;
   const Vector3d up = Vector3d::UnitZ(), point(0, 0, 5);
   const Vector3d first(8.0, 4.0, 2.0);  // irradiance of the near light there
   const double lobe = std::pow(0.5, 10);

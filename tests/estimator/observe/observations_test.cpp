@@ -29,8 +29,8 @@ rig::sim::SyntheticConfig FloatPictures(int frames) {
   config.sensor = {};
   config.sensor.depth = rig::sim::SensorDepth::kFloat;
   auto& reflectance = std::get<model::Reflectance>(config.reflectance);
-  reflectance.specular = 0.0;
-  reflectance.specular_model = model::SpecularModel::kNone;
+  reflectance.lobes[0].strength = 0.0;
+  reflectance.lobes[0].model = model::SpecularModel::kNone;
   return config;
 }
 

@@ -27,8 +27,8 @@ struct Case {
     output.estimate.reflectance.albedo = {1.0, 0.7, 0.5};
     output.estimate.reflectance.ambient = 0.05;
     output.estimate.reflectance.diffuse = 0.3;
-    output.estimate.reflectance.specular = 0.2;
-    output.estimate.reflectance.shininess = 40;
+    output.estimate.reflectance.lobes[0].strength = 0.2;
+    output.estimate.reflectance.lobes[0].shape = 40;
     output.estimate.history = {{0, 0.1}, {1, 0.001}};
     output.map.intensity = cv::Mat1f(90, 180, 0.2f);
     const calib::RayGrid rays(camera);

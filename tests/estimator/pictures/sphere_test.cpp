@@ -52,7 +52,7 @@ model::Scene MatteScene(std::vector<model::Light> lights) {
   scene.reflectance.albedo = {0.8, 0.5, 0.3};
   scene.reflectance.ambient = 0.1;
   scene.reflectance.diffuse = 0.6;
-  scene.reflectance.specular_model = model::SpecularModel::kNone;
+  scene.reflectance.lobes[0].model = model::SpecularModel::kNone;
   return scene;
 }
 
@@ -210,9 +210,9 @@ TEST(InsertSphere, SphereIsLambertianWhereLitAndAmbientWhereNot) {
 
 TEST(InsertSphere, HighlightIsWhereTheMirroredRayMeetsTheLight) {
   model::Scene scene = MatteScene({DistantLight(250, 40)});
-  scene.reflectance.specular_model = model::SpecularModel::kPhong;
-  scene.reflectance.specular = 0.5;
-  scene.reflectance.shininess = 300;
+  scene.reflectance.lobes[0].model = model::SpecularModel::kPhong;
+  scene.reflectance.lobes[0].strength = 0.5;
+  scene.reflectance.lobes[0].shape = 300;
   const Stage stage(scene, calib::PlaneShape{400, 400, 1}, LookAt({0, -200, 300}, {0, 0, 0}),
                     {0, 0, 0});
   const VirtualSphere ball{{-20, 10, 30}, 30, std::nullopt};
@@ -336,9 +336,9 @@ TEST(TakeApart, OutlineOfThePhotographBeyondTheModelsIsTaken) {
 
 TEST(Relit, EqualsTheOriginalOfANoiselessScene) {
   model::Scene scene = MatteScene({DistantLight(90, 40), NearLight({150, 100, 250})});
-  scene.reflectance.specular_model = model::SpecularModel::kPhong;
-  scene.reflectance.specular = 0.4;
-  scene.reflectance.shininess = 50;
+  scene.reflectance.lobes[0].model = model::SpecularModel::kPhong;
+  scene.reflectance.lobes[0].strength = 0.4;
+  scene.reflectance.lobes[0].shape = 50;
   for (const calib::TargetShape& shape : {calib::TargetShape(calib::SphereShape{50}),
                                           calib::TargetShape(calib::PlaneShape{120, 90, 1})}) {
     const Stage stage(scene, shape, LookAt({300, 0, 200}, {0, 0, 0}), {0.4f, 0.3f, 0.2f});

@@ -58,7 +58,7 @@ TEST(ResultJson, TheBudgetStandsBesideStat) {
   axis.sigma.lights.resize(2);
   axis.sigma.lights[0].direction = DegToRad(0.01);
   axis.sigma.lights[1].diffuse_product = {0.1, 0.2, 0.3};
-  axis.sigma.shininess = 0.25;
+  axis.sigma.lobes[0].shape = 0.25;
   e.budget = {axis};
   const auto json = ToJson(e);
   const auto& item = json["lights"][0]["budget"]["direction_sigma_deg"][0];
@@ -106,8 +106,8 @@ TEST(ResultJson, WhatIsNotKnownIsNullAndItsSigmaStays) {
 
 TEST(ResultJson, WithoutALobeThereIsNoShininess) {
   Estimate e = ExampleEstimate();
-  e.reflectance.specular_model = model::SpecularModel::kNone;
-  e.sigma.shininess.reset();
+  e.reflectance.lobes[0].model = model::SpecularModel::kNone;
+  e.sigma.lobes[0].shape.reset();
   const auto json = ToJson(e);
   EXPECT_TRUE(json["reflectance"]["shininess"].is_null());
   EXPECT_TRUE(json["reflectance"]["lobe"].is_null());
@@ -142,17 +142,17 @@ TEST(ResultJson, ReadsBackAsTheSameScene) {
   }
   EXPECT_EQ(scene->reflectance.albedo, e.reflectance.albedo);
   EXPECT_EQ(scene->reflectance.ambient, e.reflectance.ambient);
-  EXPECT_EQ(scene->reflectance.shininess, e.reflectance.shininess);
+  EXPECT_EQ(scene->reflectance.lobes[0].shape, e.reflectance.lobes[0].shape);
   EXPECT_NEAR(scene->reflectance.roughness, e.reflectance.roughness, 1e-15);
 }
 
 TEST(ResultJson, LobeWidthIsWhereTheLobeHalves) {
   model::Reflectance phong;
-  phong.shininess = 40.0;
+  phong.lobes[0].shape = 40.0;
   const double half = DegToRad(LobeWidthDeg(phong) / 2.0);
   EXPECT_NEAR(std::pow(std::cos(half), 40.0), 0.5, 1e-12);
   model::Reflectance blinn = phong;
-  blinn.specular_model = model::SpecularModel::kBlinnPhong;
+  blinn.lobes[0].model = model::SpecularModel::kBlinnPhong;
   EXPECT_DOUBLE_EQ(LobeWidthDeg(blinn), 2.0 * LobeWidthDeg(phong));
 }
 

@@ -40,8 +40,8 @@ TEST(SceneJson, ReadsATruth) {
   EXPECT_EQ(scene->lights[0].intensity, 0.8);
   EXPECT_EQ(scene->lights[0].color, Eigen::Vector3d::Ones());
   EXPECT_EQ(scene->reflectance.albedo, Eigen::Vector3d(0.2, 0.4, 0.6));
-  EXPECT_EQ(scene->reflectance.shininess, 40.0);
-  EXPECT_EQ(scene->reflectance.specular_model, model::SpecularModel::kPhong);
+  EXPECT_EQ(scene->reflectance.lobes[0].shape, 40.0);
+  EXPECT_EQ(scene->reflectance.lobes[0].model, model::SpecularModel::kPhong);
 }
 
 TEST(SceneJson, NullPositionIsADistantLight) {
@@ -128,9 +128,9 @@ TEST(SceneJson, TruthRoundTripsToTheSameBits) {
       {Eigen::Vector3d(-0.1, 0.55, 0.3).normalized(), 0.0, 1.0 / 3.0, {1, 1, 1}});
   scene.reflectance.albedo = {0.1, 1.0 / 3.0, 0.9};
   scene.reflectance.ambient = 0.07;
-  scene.reflectance.specular = 0.21;
-  scene.reflectance.shininess = 33.3;
-  scene.reflectance.specular_model = model::SpecularModel::kBlinnPhong;
+  scene.reflectance.lobes[0].strength = 0.21;
+  scene.reflectance.lobes[0].shape = 33.3;
+  scene.reflectance.lobes[0].model = model::SpecularModel::kBlinnPhong;
   scene.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
   scene.reflectance.roughness = DegToRad(20.0);
   const auto back = ParseScene(TruthToJson(scene, "made up"), "t");
@@ -144,9 +144,9 @@ TEST(SceneJson, TruthRoundTripsToTheSameBits) {
   }
   EXPECT_EQ(back->reflectance.albedo, scene.reflectance.albedo);
   EXPECT_EQ(back->reflectance.ambient, scene.reflectance.ambient);
-  EXPECT_EQ(back->reflectance.specular, scene.reflectance.specular);
-  EXPECT_EQ(back->reflectance.shininess, scene.reflectance.shininess);
-  EXPECT_EQ(back->reflectance.specular_model, scene.reflectance.specular_model);
+  EXPECT_EQ(back->reflectance.lobes[0].strength, scene.reflectance.lobes[0].strength);
+  EXPECT_EQ(back->reflectance.lobes[0].shape, scene.reflectance.lobes[0].shape);
+  EXPECT_EQ(back->reflectance.lobes[0].model, scene.reflectance.lobes[0].model);
   EXPECT_EQ(back->reflectance.diffuse_model, scene.reflectance.diffuse_model);
   EXPECT_NEAR(back->reflectance.roughness, scene.reflectance.roughness, 1e-15);
 }
@@ -163,7 +163,7 @@ TEST(SceneJson, ReadsAResultExactly) {
   const auto scene = ParseScene(text, "result.json");
   ASSERT_TRUE(scene) << scene.error().text;
   EXPECT_EQ(scene->lights[0].inverse_distance, 0.002);
-  EXPECT_EQ(scene->reflectance.specular_model, model::SpecularModel::kNone);
+  EXPECT_EQ(scene->reflectance.lobes[0].model, model::SpecularModel::kNone);
   EXPECT_EQ(scene->reflectance.diffuse_model, model::DiffuseModel::kOrenNayar);
   EXPECT_DOUBLE_EQ(scene->reflectance.roughness, DegToRad(20.0));
   const auto guess = ParseInitialGuess(text, "result.json");
@@ -183,7 +183,7 @@ TEST(SceneJson, AResultMayHaveGainedKeys) {
                     "shininess": 30, "anisotropy": 0.1}, "x-lab": 1})";
   const auto scene = ParseScene(text, "result.json");
   ASSERT_TRUE(scene) << scene.error().text;
-  EXPECT_EQ(scene->reflectance.shininess, 30.0);
+  EXPECT_EQ(scene->reflectance.lobes[0].shape, 30.0);
   const auto guess = ParseInitialGuess(text, "result.json");
   ASSERT_TRUE(guess) << guess.error().text;
   EXPECT_EQ(guess->lights.size(), 1u);

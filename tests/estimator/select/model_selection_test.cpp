@@ -54,14 +54,14 @@ TEST(Refine, ANearLightIsNearAndADistantOneIsHeldThere) {
 
 TEST(Refine, AHighlightThatIsNotThereIsTakenOut) {
   model::Scene truth = TwoLights();
-  truth.reflectance.specular = 0.0;
+  truth.reflectance.lobes[0].strength = 0.0;
   model::Scene start = truth;
-  start.reflectance.specular = 0.1;
+  start.reflectance.lobes[0].strength = 0.1;
   const Selected selected(NoisyPicture(truth), start);
   EXPECT_FALSE(selected.Accepted("specular"));
   const model::Reflectance& r = selected.refined.solution.scene.reflectance;
-  EXPECT_EQ(r.specular_model, model::SpecularModel::kNone);
-  EXPECT_EQ(r.specular, 0.0);
+  EXPECT_EQ(r.lobes[0].model, model::SpecularModel::kNone);
+  EXPECT_EQ(r.lobes[0].strength, 0.0);
   EXPECT_GT(selected.refined.specular_sigma, 0.0);
   EXPECT_GE(selected.refined.specular_sigma, selected.refined.specular_sigma_stat);
   EXPECT_LT(WorstDirectionDeg(selected.refined.solution.scene.lights, truth.lights), 1.0);
@@ -82,14 +82,14 @@ TEST(Refine, OutliersMakeTheLossRobustAndMoveNoLight) {
 
 TEST(Refine, WhatTheUserChoseIsNotDecided) {
   model::Scene truth = TwoLights(0.0, 0.25);
-  truth.reflectance.specular = 0.0;
+  truth.reflectance.lobes[0].strength = 0.0;
   model::Scene start = truth;
-  start.reflectance.specular = 0.1;
+  start.reflectance.lobes[0].strength = 0.1;
   const Selected selected(
       NoisyPicture(truth), start,
       {.lights = {}, .diffuse = {}, .specular = model::SpecularModel::kPhong, .near = false});
   EXPECT_TRUE(selected.Accepted("specular"));
-  EXPECT_EQ(selected.refined.solution.scene.reflectance.specular_model,
+  EXPECT_EQ(selected.refined.solution.scene.reflectance.lobes[0].model,
             model::SpecularModel::kPhong);
   EXPECT_EQ(selected.refined.near, (std::vector<bool>{false, false}));
   for (const model::Light& light : selected.refined.solution.scene.lights)

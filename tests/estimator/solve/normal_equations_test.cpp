@@ -43,9 +43,9 @@ model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
   r.albedo = {random.Uniform(30), random.Uniform(31), random.Uniform(32)};
   r.ambient = random.Uniform(33, 0.0, 0.3);
   r.diffuse = random.Uniform(34, 0.2, 1.0);
-  r.specular = random.Uniform(35, 0.1, 0.6);
-  r.shininess = std::exp(random.Uniform(36, std::log(2.0), std::log(300.0)));
-  r.specular_model = specular;
+  r.lobes[0].strength = random.Uniform(35, 0.1, 0.6);
+  r.lobes[0].shape = std::exp(random.Uniform(36, std::log(2.0), std::log(300.0)));
+  r.lobes[0].model = specular;
   r.diffuse_model = diffuse;
   r.roughness = random.Uniform(37, 0.1, 0.8);
   return scene;
@@ -58,8 +58,8 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
   const auto variable = [](double value, int column) { return Jet(value, column); };
   const Jet ambient = variable(r.ambient, columns.Ambient());
   const Jet diffuse = variable(r.diffuse, columns.Diffuse());
-  const Jet specular = variable(r.specular, columns.Specular());
-  const Jet shininess = exp(variable(std::log(r.shininess), columns.LogShininess()));
+  const Jet specular = variable(r.lobes[0].strength, columns.Specular());
+  const Jet shininess = exp(variable(std::log(r.lobes[0].shape), columns.LogShininess()));
   const Jet variance = variable(r.roughness * r.roughness, columns.RoughnessSquared());
   const JetVector n = point.normal.cast<Jet>(), v = point.viewer.cast<Jet>();
   Jet diffuse_sum(0.0), specular_sum(0.0);
@@ -86,8 +86,8 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
       f_d = nl * (a + b * (s.a > 0.0 ? s : Jet(0.0)) / (nl.a > nv.a ? nl : nv));
     }
     Jet cosine(0.0);
-    if (r.specular_model == model::SpecularModel::kPhong) cosine = (n * (2.0 * nl) - unit).dot(v);
-    if (r.specular_model == model::SpecularModel::kBlinnPhong) {
+    if (r.lobes[0].model == model::SpecularModel::kPhong) cosine = (n * (2.0 * nl) - unit).dot(v);
+    if (r.lobes[0].model == model::SpecularModel::kBlinnPhong) {
       const JetVector sum = unit + v;
       cosine = n.dot(sum) / sqrt(sum.dot(sum));
     }
@@ -166,7 +166,7 @@ void ExpectSame(const NormalEquations& equations, const Reference& reference, do
 // part by that times the shininess. Below a shininess of 1 the slope of the lobe grows without
 // bound towards its edge, and the rounding with it.
 double Rounding(const model::Scene& scene) {
-  const double n = scene.reflectance.shininess;
+  const double n = scene.reflectance.lobes[0].shape;
   return n < 1.0 ? 1e-4 : 3e-7 * n;
 }
 
@@ -193,7 +193,7 @@ TEST_P(DerivativesTest, AgreeWithAutodiffNearTheEdges) {
   for (const double shininess : {0.5, 1.0, 1e4}) {
     for (const double rho : {0.0, 0.9}) {
       model::Scene scene = RandomScene(99, GetParam().specular, GetParam().diffuse);
-      scene.reflectance.shininess = shininess;
+      scene.reflectance.lobes[0].shape = shininess;
       scene.lights[0].inverse_distance = rho;
       scene.lights[0].direction = Eigen::Vector3d(1.0, 0.2, 1e-3).normalized();  // at the horizon
       RandomObservations all(600, 3, 5);
@@ -221,8 +221,8 @@ model::Scene Moved(const model::Scene& scene, int column, double step) {
   if (column < 3) r.albedo[column] += step;
   if (column == columns.Ambient()) r.ambient += step;
   if (column == columns.Diffuse()) r.diffuse += step;
-  if (column == columns.Specular()) r.specular += step;
-  if (column == columns.LogShininess()) r.shininess *= std::exp(step);
+  if (column == columns.Specular()) r.lobes[0].strength += step;
+  if (column == columns.LogShininess()) r.lobes[0].shape *= std::exp(step);
   if (column == columns.RoughnessSquared())
     r.roughness = std::sqrt(r.roughness * r.roughness + step);
   for (int l = 0; l < kLights; ++l) {

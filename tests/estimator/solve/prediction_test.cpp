@@ -17,7 +17,7 @@ TEST(Predict, IsTheShadeOfEachPoint) {
                               model::SpecularModel::kNone})
     for (const auto diffuse : {model::DiffuseModel::kLambert, model::DiffuseModel::kOrenNayar}) {
       model::Scene scene = TwoLights(0.0, 0.6);
-      scene.reflectance.specular_model = specular;
+      scene.reflectance.lobes[0].model = specular;
       scene.reflectance.diffuse_model = diffuse;
       scene.reflectance.roughness = 0.4;
       const RandomObservations random(500, 3, 21);

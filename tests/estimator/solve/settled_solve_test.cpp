@@ -17,25 +17,25 @@ struct NarrowLobe {
   observe::Observations pixels;
 
   NarrowLobe() {
-    truth.reflectance.shininess = 60.0;
+    truth.reflectance.lobes[0].shape = 60.0;
     pixels = RandomObservations(3000, 3, 4, &truth).observations;
     pixels.tile_footprint.assign(pixels.tiles(), 0.08f);
     start = truth;
-    start.reflectance.shininess = 8.0;
+    start.reflectance.lobes[0].shape = 8.0;
     for (model::Light& light : start.lights) light.direction = Turned(light.direction, 2.0);
   }
 };
 
 TEST(SolveSettled, FootprintsAreThoseOfWhereItEnds) {
   const NarrowLobe it;
-  const auto at_start = FootprintSamples(it.pixels, it.start.reflectance.shininess, 2);
-  const auto at_end = FootprintSamples(it.pixels, it.truth.reflectance.shininess, 2);
+  const auto at_start = FootprintSamples(it.pixels, it.start.reflectance, 2);
+  const auto at_end = FootprintSamples(it.pixels, it.truth.reflectance, 2);
   EXPECT_EQ(at_start[0], 2);
   const Solution once = SolveSettled(it.pixels, it.start, {}, 1);
   EXPECT_EQ(once.evaluate.samples_per_side, at_start);
   const Solution settled = SolveSettled(it.pixels, it.start, {}, 3);
   EXPECT_EQ(settled.evaluate.samples_per_side, at_end);
-  EXPECT_NEAR(settled.scene.reflectance.shininess, 60.0, 0.01);
+  EXPECT_NEAR(settled.scene.reflectance.lobes[0].shape, 60.0, 0.01);
   EXPECT_LT(WorstDirectionDeg(settled.scene.lights, it.truth.lights), 0.01);
 }
 

@@ -32,8 +32,8 @@ model::Scene Off(model::Scene scene, double degrees) {
   r.albedo.x() *= 0.8;
   r.ambient = 0.2;
   r.diffuse *= 1.2;
-  r.specular *= 0.7;
-  r.shininess *= 0.6;
+  r.lobes[0].strength *= 0.7;
+  r.lobes[0].shape *= 0.6;
   return scene;
 }
 
@@ -59,8 +59,8 @@ TEST(Solver, RecoversANoiselessScene) {
     EXPECT_LT((r.albedo - t.albedo).norm(), 1e-5) << degrees;
     EXPECT_NEAR(r.ambient, t.ambient, 1e-5) << degrees;
     EXPECT_NEAR(r.diffuse, t.diffuse, 1e-5) << degrees;
-    EXPECT_NEAR(r.specular, t.specular, 1e-5) << degrees;
-    EXPECT_NEAR(r.shininess, t.shininess, 1e-3) << degrees;
+    EXPECT_NEAR(r.lobes[0].strength, t.lobes[0].strength, 1e-5) << degrees;
+    EXPECT_NEAR(r.lobes[0].shape, t.lobes[0].shape, 1e-3) << degrees;
   }
 }
 
@@ -139,14 +139,14 @@ TEST(Solver, HeldDistancesDirectionsAndLobeDoNotMove) {
   EXPECT_NE(s.scene.lights[1].inverse_distance, start.lights[1].inverse_distance);
 
   options.free_directions = false;
-  start.reflectance.specular_model = model::SpecularModel::kNone;
+  start.reflectance.lobes[0].model = model::SpecularModel::kNone;
   start.reflectance.roughness = 0.3;  // of a model that is not in use
   s = Solve(random.observations, start, options);
   EXPECT_LT(s.cost_history.back(), s.cost_history.front());
   for (std::size_t l = 0; l < 2; ++l)
     EXPECT_LT((s.scene.lights[l].direction - start.lights[l].direction).norm(), 1e-14);
-  EXPECT_EQ(s.scene.reflectance.specular, start.reflectance.specular);
-  EXPECT_EQ(s.scene.reflectance.shininess, start.reflectance.shininess);
+  EXPECT_EQ(s.scene.reflectance.lobes[0].strength, start.reflectance.lobes[0].strength);
+  EXPECT_EQ(s.scene.reflectance.lobes[0].shape, start.reflectance.lobes[0].shape);
   EXPECT_EQ(s.scene.reflectance.roughness, 0.3);
 }
 
@@ -210,7 +210,7 @@ TEST(Solver, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(one.equations.hessian == two.equations.hessian);
   for (std::size_t l = 0; l < 2; ++l)
     EXPECT_TRUE(one.scene.lights[l].direction == two.scene.lights[l].direction);
-  EXPECT_EQ(one.scene.reflectance.shininess, two.scene.reflectance.shininess);
+  EXPECT_EQ(one.scene.reflectance.lobes[0].shape, two.scene.reflectance.lobes[0].shape);
 }
 
 TEST(Solver, AStopFlagEndsItBeforeTheNextIteration) {

@@ -65,15 +65,15 @@ TEST(ChooseDiffuse, IsThatOfTheScene) {
 TEST(ChooseLobe, IsThatOfTheScene) {
   for (const bool half_vector : {false, true}) {
     model::Scene truth = TwoLights();
-    if (half_vector) truth.reflectance.specular_model = model::SpecularModel::kBlinnPhong;
+    if (half_vector) truth.reflectance.lobes[0].model = model::SpecularModel::kBlinnPhong;
     const Sample sample = NoisySample(truth);
     const Candidate fitted = FitStart(sample, TwoLights());
     std::vector<model::Rung> ladder;
     const Candidate chosen = ChooseLobe(sample, fitted, ladder);
-    EXPECT_EQ(chosen.scene.reflectance.specular_model, truth.reflectance.specular_model);
+    EXPECT_EQ(chosen.scene.reflectance.lobes[0].model, truth.reflectance.lobes[0].model);
     ASSERT_EQ(ladder.size(), 1u);
     EXPECT_EQ(ladder[0].accepted, half_vector) << ladder[0].why;
-    EXPECT_NEAR(chosen.scene.reflectance.shininess, 25.0, 1.5);
+    EXPECT_NEAR(chosen.scene.reflectance.lobes[0].shape, 25.0, 1.5);
   }
 }
 

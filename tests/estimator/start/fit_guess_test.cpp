@@ -56,15 +56,15 @@ TEST(FitGuess, BothAtOnePlaceLeadElsewhereAndTheLadderSaysSo) {
 
 TEST(FitGuess, TheModelsGivenAreKept) {
   model::Scene truth = TwoLights();
-  truth.reflectance.specular_model = model::SpecularModel::kBlinnPhong;
+  truth.reflectance.lobes[0].model = model::SpecularModel::kBlinnPhong;
   const Sample sample = NoisySample(truth);
   model::InitialGuess guess = GuessOff(truth, 5.0);
   guess.reflectance = truth.reflectance;
   std::vector<model::Rung> ladder;
   const Candidate found = FitGuess(sample, guess, {}, ladder);
-  EXPECT_EQ(found.scene.reflectance.specular_model, model::SpecularModel::kBlinnPhong);
+  EXPECT_EQ(found.scene.reflectance.lobes[0].model, model::SpecularModel::kBlinnPhong);
   EXPECT_LT(WorstDirectionDeg(found.scene.lights, truth.lights), 0.5);
-  EXPECT_NEAR(found.scene.reflectance.shininess, 25.0, 1.0);
+  EXPECT_NEAR(found.scene.reflectance.lobes[0].shape, 25.0, 1.0);
 }
 
 }  // namespace

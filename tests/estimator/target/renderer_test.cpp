@@ -65,7 +65,7 @@ TEST(Render, AmbientLightShowsTheAlbedo) {
 // A highlight narrower than a pixel: the centre sees none of it or all, the mean what it is.
 TEST(Render, MoreRaysConvergeOnTheMean) {
   model::Scene scene = TwoLights();
-  scene.reflectance.shininess = 3000.0;
+  scene.reflectance.lobes[0].shape = 3000.0;
   const TinyBall ball(scene, 0);
   const calib::Pose X_WC = LookingAtOrigin({3.0, 2.0, 8.0});
   const auto brightest = [&](int samples) {

@@ -23,7 +23,7 @@ model::Scene InAnotherGauge(model::Scene scene, double a, double b) {
   r.albedo *= a;
   r.ambient /= a;
   r.diffuse /= a * b;
-  r.specular /= b;
+  r.lobes[0].strength /= b;
   for (model::Light& light : scene.lights) light.intensity *= b;
   return scene;
 }
@@ -40,7 +40,7 @@ TEST(Report, IsTheSameInEveryGauge) {
     EXPECT_LT((other.reflectance.albedo - one.reflectance.albedo).norm(), 1e-14);
     EXPECT_NEAR(other.reflectance.ambient, one.reflectance.ambient, 1e-14);
     EXPECT_NEAR(other.reflectance.diffuse, one.reflectance.diffuse, 1e-14);
-    EXPECT_NEAR(other.reflectance.specular, one.reflectance.specular, 1e-14);
+    EXPECT_NEAR(other.reflectance.lobes[0].strength, one.reflectance.lobes[0].strength, 1e-14);
     EXPECT_LT((other.ambient_product - one.ambient_product).norm(), 1e-14);
     for (std::size_t l = 0; l < 2; ++l) {
       EXPECT_NEAR(other.lights[l].light.intensity, one.lights[l].light.intensity, 1e-14);
@@ -62,7 +62,7 @@ TEST(Report, ProductsAreThoseOfTheScene) {
         (reported.lights[l].diffuse_product - r.albedo * r.diffuse * scene.lights[l].intensity)
             .norm(),
         1e-14);
-    EXPECT_NEAR(reported.lights[l].specular_product, r.specular * scene.lights[l].intensity, 1e-14);
+    EXPECT_NEAR(reported.lights[l].specular_product, r.lobes[0].strength * scene.lights[l].intensity, 1e-14);
     EXPECT_EQ(reported.lights[l].direction_at_reference, scene.lights[l].direction);
     EXPECT_EQ(reported.lights[l].inverse_distance_at_reference, scene.lights[l].inverse_distance);
   }

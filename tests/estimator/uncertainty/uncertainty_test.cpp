@@ -26,7 +26,7 @@ struct MeanProblem {
   MeanProblem(double noise, std::size_t views, const std::function<double(std::size_t)>& offset) {
     model::Scene scene;
     scene.reflectance.ambient = 0.5;
-    scene.reflectance.specular_model = model::SpecularModel::kNone;
+    scene.reflectance.lobes[0].model = model::SpecularModel::kNone;
     pixels = RandomObservations(kMeanPixels, 1, 1, &scene).observations;
     AddNoise(noise, 1, pixels);
     for (std::size_t i = 0; i < kMeanPixels; ++i) {
@@ -134,7 +134,7 @@ TEST(EstimateUncertainty, StatisticalSigmasAreThoseOfTheErrors) {
     distance += square(light.inverse_distance - true_light.inverse_distance,
                        stat.lights[1].inverse_distance);
     ambient += square(found.reflectance.ambient - right.reflectance.ambient, stat.ambient);
-    shininess += square(found.reflectance.shininess - right.reflectance.shininess, stat.shininess);
+    shininess += square(found.reflectance.lobes[0].shape - right.reflectance.lobes[0].shape, stat.lobes[0].shape);
   }
   // Mean squares over 60 draws: 1 within four times sqrt(2 / 60), above all not far below.
   for (const double mean_square : {distance, ambient, shininess}) {

@@ -2,7 +2,7 @@
 // plus the step, wherever that is what the column says; tangents move the direction along
 // themselves; bounds are kept and nothing within them is touched. Does not prove derivatives
 // (normal_equations_test).
-#include "estimator/solve/columns.h"
+#include "estimator/model/parameters.h"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ TEST(Columns, ValuesOfAMovedSceneAreMovedByTheStep) {
     expected.segment<2>(columns.Tangent(l)).setZero();
   }
   EXPECT_LT((Values(moved, columns) - expected).norm(), 1e-13);
-  EXPECT_NEAR(std::log(moved.reflectance.shininess / scene.reflectance.shininess),
+  EXPECT_NEAR(std::log(moved.reflectance.lobes[0].shape / scene.reflectance.lobes[0].shape),
               step[columns.LogShininess()], 1e-14);
 }
 
@@ -62,7 +62,7 @@ TEST(Columns, AStepOfNothingChangesNothing) {
   const Columns columns{3, 2};
   const model::Scene same = Moved(scene, columns, Eigen::VectorXd::Zero(columns.count()));
   EXPECT_EQ(same.reflectance.roughness, 0.3);
-  EXPECT_EQ(same.reflectance.shininess, scene.reflectance.shininess);
+  EXPECT_EQ(same.reflectance.lobes[0].shape, scene.reflectance.lobes[0].shape);
   EXPECT_EQ(same.lights[1].intensity, scene.lights[1].intensity);
 }
 
@@ -82,8 +82,8 @@ TEST(WithinBounds, CutsWhatIsBeyondAndNothingElse) {
   model::Scene bad = good;
   model::Reflectance& r = bad.reflectance;
   r.albedo[1] = -0.1;
-  r.ambient = r.diffuse = r.specular = -1.0;
-  r.shininess = 1e9;
+  r.ambient = r.diffuse = r.lobes[0].strength = -1.0;
+  r.lobes[0].shape = 1e9;
   r.roughness = 5.0;
   bad.lights[0].intensity = -0.5;
   bad.lights[0].inverse_distance = -0.1;
@@ -92,14 +92,14 @@ TEST(WithinBounds, CutsWhatIsBeyondAndNothingElse) {
   EXPECT_EQ(cut.reflectance.albedo, Eigen::Vector3d(0.4, 0.0, 0.7));
   EXPECT_EQ(cut.reflectance.ambient, 0.0);
   EXPECT_EQ(cut.reflectance.diffuse, 0.0);
-  EXPECT_EQ(cut.reflectance.specular, 0.0);
-  EXPECT_EQ(cut.reflectance.shininess, model::kMaxShininess);
+  EXPECT_EQ(cut.reflectance.lobes[0].strength, 0.0);
+  EXPECT_EQ(cut.reflectance.lobes[0].shape, model::kMaxShininess);
   EXPECT_EQ(cut.reflectance.roughness, kMaxRoughness);
   EXPECT_EQ(cut.lights[0].intensity, 0.0);
   EXPECT_EQ(cut.lights[0].inverse_distance, 0.0);
   EXPECT_EQ(cut.lights[1].inverse_distance, kMaxInverseDistance);
-  r.shininess = 0.01;
-  EXPECT_EQ(WithinBounds(bad).reflectance.shininess, model::kMinShininess);
+  r.lobes[0].shape = 0.01;
+  EXPECT_EQ(WithinBounds(bad).reflectance.lobes[0].shape, model::kMinShininess);
 }
 
 }  // namespace
