@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -40,9 +41,9 @@ void Append(const uncertainty::Uncertainty& of, Values& radiances, Values& other
 
 // All numbers of an estimate: those that are radiances, and the others.
 std::pair<Values, Values> NumbersOf(const Estimate& e) {
-  Values radiances{e.reflectance.ambient, e.reflectance.diffuse, e.reflectance.specular,
-                   e.sigma.ambient,       e.sigma.diffuse,       e.sigma.specular,
-                   e.initial_rms,         e.rms};
+  Values radiances{
+      e.reflectance.ambient, e.reflectance.diffuse, e.reflectance.specular, e.sigma.ambient,
+      e.sigma.diffuse,       e.sigma.specular,      e.initial_rms,          e.rms};
   Append(e.ambient_product, radiances);
   Append(e.ambient_product_sigma, radiances);
   Values others{e.reflectance.shininess, e.sigma.shininess.value_or(0.0), e.condition,
@@ -137,9 +138,9 @@ TEST(RadianceUnit, IsNotSeenInAnEstimate) {
     const cv::Mat1f map = usual->map.intensity * factor;
     EXPECT_EQ(std::memcmp(map.data, output->map.intensity.data, map.total() * sizeof(float)), 0);
     const cv::Mat1f residual = usual->residuals.at(1) * factor;
-    EXPECT_EQ(std::memcmp(residual.data, output->residuals.at(1).data,
-                          residual.total() * sizeof(float)),
-              0);
+    EXPECT_EQ(
+        std::memcmp(residual.data, output->residuals.at(1).data, residual.total() * sizeof(float)),
+        0);
   }
 }
 
