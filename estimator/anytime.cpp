@@ -10,7 +10,7 @@
 
 namespace turnlight::estimator {
 void AnytimeEstimator::Add(const model::Keyframe& keyframe) {
-  parts_.push_back(observe::BuildObservations({keyframe}, geometry_, rays_));
+  parts_.push_back(observe::BuildPart(keyframe, geometry_, rays_));
   signatures_.push_back(observe::ViewSignature(keyframe));
   if (!small_) {
     const int block = consistency::BlockFor(camera_, geometry_, {{keyframe.X_WC, keyframe.X_WT}});
@@ -39,9 +39,10 @@ Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {
   const std::vector<double> rms =
       RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
   // What stood out before and was not odd is not looked at again with every keyframe.
-  doubtful = StandsOut(rms, rms.size() - 1) ||
-             (cold && (!odd_.empty() || OneStandsOut(rms) ||
-                       Unexplained(estimate->rms, observe::EstimateNoise(all))));
+  doubtful =
+      StandsOut(rms, rms.size() - 1) ||
+      (cold && (!odd_.empty() || OneStandsOut(rms) ||
+                Unexplained(estimate->rms, observe::EstimateNoise(all) * all.radiance_unit)));
   return estimate;
 }
 

@@ -43,7 +43,7 @@ class AnytimeEstimator {
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
   const calib::CameraModel camera_;
-  std::vector<observe::Observations> parts_;  // one per keyframe
+  std::vector<observe::Observations> parts_;  // one per keyframe, in white
   std::vector<cv::Mat> signatures_;
   std::optional<consistency::SmallViews> small_;
   std::map<std::size_t, std::string> odd_;

@@ -26,7 +26,6 @@ struct Fit {
   const model::Scene& scene;
   const solve::EvaluateOptions& options;
   const uncertainty::ScoreProbe& probe;
-  double level;  // what the keyframes' radiances were multiplied by
 };
 
 // The sample with the calibration moved, and which of its pixels still lie on the surface.
@@ -69,7 +68,7 @@ Result<solve::Prediction> Radiances(const Fit& fit, const MovedCalibration& move
       const float* value =
           picture->ptr<float>(row) + static_cast<std::ptrdiff_t>(column) * picture->channels();
       for (std::size_t c = 0; c < channels; ++c)
-        out[c][i] = static_cast<float>(fit.level) * value[c];
+        out[c][i] = value[c] / static_cast<float>(pixels.radiance_unit);
     }
   };
   const std::size_t at_a_time = observe::KeyframesInFlight(
@@ -126,7 +125,7 @@ Result<std::optional<uncertainty::CalibrationResponse>> RespondToCalibration(
   options.samples_per_side = solve::FootprintSamples(sample.pixels, scene.reflectance, 2);
   options.shadows = solve::CastShadows(sample.pixels, scene);
   const uncertainty::ScoreProbe probe(sample.pixels, scene, options);
-  const Fit fit{view, sample, scene, options, probe, all.level};
+  const Fit fit{view, sample, scene, options, probe};
   uncertainty::CalibrationResponse out;
   out.as_modelled = solve::Evaluate(sample.pixels, scene, options);
   for (std::size_t item = 0; item < errors.items.size(); ++item) {

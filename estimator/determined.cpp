@@ -182,7 +182,7 @@ Status LeaveOutUnknown(const observe::Observations& all, Estimate& out) {
     AddNote("light-left-out",
             {{"lights", dropped == 1 ? "1 light is" : std::to_string(dropped) + " lights are"}},
             out);
-  const double most = observe::BrightestRadiance(all);
+  const double most = all.radiance_unit * observe::BrightestRadiance(all);
   Unknowns unknowns;
   for (std::size_t i = 0; i < out.lights.size(); ++i) AddLight(out, i, most, unknowns);
   AddReflectance(out, most, unknowns);

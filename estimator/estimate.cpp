@@ -9,7 +9,6 @@
 #include "base/stopwatch.h"
 #include "estimator/calibration_response.h"
 #include "estimator/determined.h"
-#include "estimator/exposure_level.h"
 #include "estimator/notes.h"
 #include "estimator/observe/radiance_statistics.h"
 #include "estimator/observe/views.h"
@@ -25,25 +24,29 @@ namespace {
 constexpr double kMuchFromBehind = 0.1;  // of what is seen of the target
 constexpr double kRoomForLight = 0.3;    // of white: pictures below it can be exposed longer
 
+// What the pictures show as a whole, of white.
+struct Levels {
+  double noise = 0.0, brightest = 0.0;
+};
+
 // Pictures without a light's share are ambient light alone, unless noise could hide one.
-Status CheckLights(const Estimate& estimate, double noise, double brightest,
-                   const Evidence& evidence) {
+Status CheckLights(const Estimate& estimate, const Levels& levels, const Evidence& evidence) {
+  const auto [noise, brightest] = levels;
   if (!estimate.lights.empty()) return {};
   if (!Unexplained(estimate.rms, noise) && !Noisy(noise, brightest)) return {};
-  const double bright = brightest * evidence.level;
   const messages::Values values{
       {"copies", std::to_string(evidence.copies)},
       {"views", Format("%d pictures", estimate.views)},
       {"behind", Format("%.0f", 100.0 * evidence.counts.from_behind)},
-      {"rms", Format("%.2g", estimate.rms * evidence.level)},
-      {"noise", Format("%.2g", noise * evidence.level)},
+      {"rms", Format("%.2g", estimate.rms)},
+      {"noise", Format("%.2g", noise)},
       {"share", Format("%.0f", 100.0 * noise / std::max(brightest, 1e-300))},
-      {"bright", Format("%.2g", bright)}};
+      {"bright", Format("%.2g", brightest)}};
   if (evidence.copies > 0) return messages::Refuse("no-light/copies", values);
   if (evidence.counts.from_behind > kMuchFromBehind)
     return messages::Refuse("no-light/from-behind", values);
   if (!Noisy(noise, brightest)) return messages::Refuse("no-light/unexplained", values);
-  return messages::Refuse(bright < kRoomForLight ? "no-light/dark" : "no-light/noisy", values);
+  return messages::Refuse(brightest < kRoomForLight ? "no-light/dark" : "no-light/noisy", values);
 }
 
 start::Start StartOf(const observe::Observations& all, double noise,
@@ -56,91 +59,26 @@ void Tell(const Watch& watch, Part part) {
   if (watch.on_part) watch.on_part(part);
 }
 
-void TakeDecisions(start::Start& start, Estimate& out) {
+void TakeDecisions(const observe::Observations& all, start::Start& start, Estimate& out) {
   out.ladder = std::move(start.ladder);
   for (const double rms : start.rms_history)
-    out.history.push_back({static_cast<int>(out.history.size()), rms});
+    out.history.push_back({static_cast<int>(out.history.size()), all.radiance_unit * rms});
 }
 
 // Gives how many views there are for each that differs from those before.
-double CountViews(const std::vector<cv::Mat>& signatures, double noise, Estimate& out) {
+double CountViews(const observe::Observations& all, const std::vector<cv::Mat>& signatures,
+                  double noise, Estimate& out) {
   out.views = static_cast<int>(signatures.size());
-  out.distinct_views = observe::DistinctViews(signatures, noise);
+  out.distinct_views =
+      observe::DistinctViews(signatures, observe::LikeLimit(noise) * all.radiance_unit);
   return out.distinct_views > 0 ? static_cast<double>(out.views) / out.distinct_views : 1.0;
 }
 
-// The estimate of pictures that are far darker or brighter than white: at a level of about 1, then
-// scaled back. Levels are powers of two: the observations are afterwards what they were.
-Result<Estimate> EstimateAtLevel(observe::Observations& all, const std::vector<cv::Mat>& signatures,
-                                 const EstimateOptions& options, double level,
-                                 select::Refined* refined, const CalibrationAsked& calibration,
-                                 Evidence evidence) {
-  Scale(all, 1.0 / level);
-  std::vector<cv::Mat> scaled_signatures;
-  for (const cv::Mat& signature : signatures) scaled_signatures.emplace_back(signature / level);
-  EstimateOptions scaled_options = options;
-  if (scaled_options.warm_start) Scale(scaled_options.warm_start->reflectance, 1.0 / level);
-  evidence.level = level;
-  auto estimate = EstimateObservations(all, scaled_signatures, scaled_options, nullptr, refined,
-                                       calibration, evidence);
-  Scale(all, level);
-  if (!estimate) return estimate;
-  Scale(*estimate, level);
-  AddNote("exposure", {{"level", Format("%.2g", level)}}, *estimate);
-  if (refined) Scale(refined->solution.scene.reflectance, level);
-  return estimate;
-}
-
-// own (optional): the same observations, which may be changed while the call lasts; else they are
-// copied where that is needed.
-Result<Estimate> EstimateWhatIsSeen(const observe::Observations& all, observe::Observations* own,
-                                    const std::vector<cv::Mat>& signatures,
-                                    const EstimateOptions& options, observe::IntensityMap* map,
-                                    select::Refined* refined, const CalibrationAsked& calibration,
-                                    const Evidence& evidence) {
-  const Stopwatch stopwatch;
-  if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  observe::IntensityMap own_map;
-  observe::IntensityMap& used_map = map ? *map : own_map;
-  if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
-  const double noise = observe::EstimateNoise(all), brightest = observe::BrightestRadiance(all);
-  const double level = ExposureLevel(brightest);
-  if (level != 1.0) {
-    observe::Observations copy;
-    if (own == nullptr) copy = all;
-    return EstimateAtLevel(own != nullptr ? *own : copy, signatures, options, level, refined,
-                           calibration, evidence);
-  }
-  Tell(options.watch, Part::kStart);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  start::Start start = StartOf(all, noise, used_map, options);
-  Tell(options.watch, Part::kRefine);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  const double started = stopwatch.Seconds();
-  Estimate estimate;
-  TakeDecisions(start, estimate);
-  const double views_per_distinct = CountViews(signatures, noise, estimate);
-  select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
-                                          options.model, estimate.ladder, options.watch.stop);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  std::optional<uncertainty::CalibrationResponse> response;
-  if (calibration) {
-    Tell(options.watch, Part::kBudget);
-    auto answered = calibration(all, result.solution);
-    if (!answered) return Forward(answered);
-    response = std::move(*answered);
-  }
-  FillFromFit(all, result, estimate, response ? &*response : nullptr);
-  if (const Status status = CheckLights(estimate, noise, brightest, evidence); !status)
-    return Forward(status);
-  estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
-  AddNotes(estimate);
-  AddCountNote(noise, brightest, estimate);
-  estimate.initial_s = started;
-  estimate.solve_s = stopwatch.Seconds() - started;
-  if (refined) *refined = std::move(result);
-  return estimate;
+void TakeNotes(const observe::Observations& all, const Levels& levels, Estimate& out) {
+  AddNotes(out);
+  AddCountNote(levels.noise, levels.brightest, out);
+  if (all.radiance_unit != 1.0)
+    AddNote("exposure", {{"level", Format("%.2g", all.radiance_unit)}}, out);
 }
 
 }  // namespace
@@ -157,7 +95,43 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const EstimateOptions& options, observe::IntensityMap* map,
                                       select::Refined* refined, const CalibrationAsked& calibration,
                                       const Evidence& evidence) {
-  return EstimateWhatIsSeen(all, nullptr, signatures, options, map, refined, calibration, evidence);
+  const Stopwatch stopwatch;
+  if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
+  observe::IntensityMap own_map;
+  observe::IntensityMap& used_map = map ? *map : own_map;
+  if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
+  const double noise = observe::EstimateNoise(all);
+  Tell(options.watch, Part::kStart);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
+  start::Start start = StartOf(all, noise, used_map, options);
+  Tell(options.watch, Part::kRefine);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
+  const double started = stopwatch.Seconds();
+  Estimate estimate;
+  TakeDecisions(all, start, estimate);
+  const double views_per_distinct = CountViews(all, signatures, noise, estimate);
+  select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
+                                          options.model, estimate.ladder, options.watch.stop);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
+  std::optional<uncertainty::CalibrationResponse> response;
+  if (calibration) {
+    Tell(options.watch, Part::kBudget);
+    auto answered = calibration(all, result.solution);
+    if (!answered) return Forward(answered);
+    response = std::move(*answered);
+  }
+  FillFromFit(all, result, estimate, response ? &*response : nullptr);
+  const Levels levels{all.radiance_unit * noise,
+                      all.radiance_unit * observe::BrightestRadiance(all)};
+  if (const Status status = CheckLights(estimate, levels, evidence); !status)
+    return Forward(status);
+  estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
+  TakeNotes(all, levels, estimate);
+  estimate.initial_s = started;
+  estimate.solve_s = stopwatch.Seconds() - started;
+  if (refined) *refined = std::move(result);
+  return estimate;
 }
 
 Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
@@ -182,8 +156,8 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
   Evidence evidence{observed->counts};
   evidence.copies =
       static_cast<int>(FindCopies(observed->pixels, observed->signatures, poses).size());
-  auto estimate = EstimateWhatIsSeen(observed->pixels, &observed->pixels, observed->signatures,
-                                     options, &out.map, &refined, calibration, evidence);
+  auto estimate = EstimateObservations(observed->pixels, observed->signatures, options, &out.map,
+                                       &refined, calibration, evidence);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;
@@ -194,7 +168,7 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
   AddOutliersNote(observed->counts, out.estimate);
   AddThinnedNote(observed->pixels, observed->usable, out.estimate);
   AddFacetsNote(geometry.shape(), out.estimate);
-  out.noise = observe::EstimateNoise(observed->pixels);
+  out.noise = observe::EstimateNoise(observed->pixels) * observed->pixels.radiance_unit;
   out.frame_rms = RmsByKeyframe(observed->pixels, refined.solution.scene, refined.options.evaluate);
   if (options.residuals_of)
     out.residuals =

@@ -147,23 +147,23 @@ struct EstimateOutput {
   // The same of frames that were left out because they do not belong to the others, by the number
   // that they have in the session.
   std::map<std::size_t, cv::Mat1f> left_out;  // of at most kMostLeftOutMaps of them
-  double noise = 0.0;                         // sigma of a value, radiance
-  std::vector<double> frame_rms;  // of what the model leaves of each keyframe; 0 of none
+  double noise = 0.0;                         // sigma of a value, of white
+  std::vector<double> frame_rms;  // of what the model leaves of each keyframe, of white; 0 of none
 };
 
 // What is known beside the observations: a refusal's words follow from it.
 struct Evidence {
   observe::FlagCounts counts;  // of the target's pixels
   int copies = 0;              // views that are copies of others (view_evidence.h)
-  double level = 1.0;          // white, in the observations' radiance
 };
 
 // How a fit of these observations answers to the calibration's errors; nothing: they are none.
 using CalibrationAsked = std::function<Result<std::optional<uncertainty::CalibrationResponse>>(
     const observe::Observations& all, const solve::Solution& solution)>;
 
-// The estimate itself, from observations and the views' signatures (see views.h). On the way out,
-// map and refined (both optional) receive what pictures and residual maps are made of. calibration
+// The estimate itself, from observations and the views' signatures (see views.h; in white). On the
+// way out, map and refined (both optional) receive what pictures and residual maps are made of;
+// refined is in the observations' coordinates and radiance unit. calibration
 // (optional) is asked once, at the solution. Fails with kNoEstimate when nothing usable was
 // observed, with kInterrupted when options.watch.stop was set, and as `calibration` does.
 Result<Estimate> EstimateObservations(const observe::Observations& all,

@@ -104,7 +104,10 @@ void FillBudgetOfHeld(const select::Refined& refined, const std::vector<std::siz
   }
 }
 
-double RmsOf(double values, double cost) { return std::sqrt(2.0 * cost / values); }
+// In white.
+double RmsOf(const observe::Observations& all, double values, double cost) {
+  return all.radiance_unit * std::sqrt(2.0 * cost / values);
+}
 
 }  // namespace
 
@@ -142,12 +145,12 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
   squares.huber = 0.0;
   squares.gradient_only = true;
   const double values = solve::ValueCount(all, squares);
-  out.rms = RmsOf(values, solve::Evaluate(all, solution.scene, squares).cost);
+  out.rms = RmsOf(all, values, solve::Evaluate(all, solution.scene, squares).cost);
   out.pixels = all.used - squares.shadows.left_out;
   out.iterations = refined.iterations;
   out.stopped = solution.stopped;
   for (const double cost : refined.cost_history)
-    out.history.push_back({static_cast<int>(out.history.size()), RmsOf(values, cost)});
+    out.history.push_back({static_cast<int>(out.history.size()), RmsOf(all, values, cost)});
 }
 
 }  // namespace turnlight::estimator

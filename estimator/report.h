@@ -1,4 +1,4 @@
-// What a fit found, in the form of every estimate: in W and in the gauge of the results.
+// What a fit found, in the form of every estimate: in W, in white, and in the gauge of the results.
 #pragma once
 
 #include "estimator/estimate.h"

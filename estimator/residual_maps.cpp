@@ -47,7 +47,8 @@ std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
       for (int c = 0; c < all.channels; ++c)
         sum += all.radiance[c][i] - model[static_cast<std::size_t>(c)][i];
       const int at = static_cast<int>(all.pixel[i]);
-      map(at / size.width, at % size.width) = sum / static_cast<float>(all.channels);
+      map(at / size.width, at % size.width) =
+          static_cast<float>(all.radiance_unit) * sum / static_cast<float>(all.channels);
     }
     maps.emplace(k, std::move(map));
   }
@@ -71,7 +72,8 @@ std::vector<double> RmsByKeyframe(const observe::Observations& all, const model:
         sum += left * left;
       }
     }
-    out.push_back(count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0);
+    out.push_back(count > 0 ? all.radiance_unit * std::sqrt(sum / static_cast<double>(count))
+                            : 0.0);
   }
   return out;
 }

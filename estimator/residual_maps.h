@@ -1,4 +1,4 @@
-// What a model leaves, as pictures.
+// What a model leaves, as pictures. Values are in white.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 namespace turnlight::estimator {
 
 // Of these keyframes, grey observed minus model; NaN where nothing is used. scene is in the
-// observations' coordinates; size: of the pictures.
+// observations' coordinates and radiance unit; size: of the pictures.
 std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
                                               const model::Scene& scene,
                                               const solve::EvaluateOptions& options, cv::Size size,

@@ -156,11 +156,11 @@ void ExplainViews(const Observations& all, const std::vector<cv::Mat>& signature
   const double limit = observe::LikeLimit(noise);
   std::vector<Pair> copies = FindCopies(all, signatures, poses);
   // Noiseless pictures of what does not change are the same bit for bit, and no copies.
-  if (!Unexplained(out.rms, noise))
+  if (!Unexplained(out.rms, noise * all.radiance_unit))
     std::erase_if(copies, [&](const Pair& views) {
       return comparison.Of(views).predicted <= kPredicted * limit;
     });
-  const auto like = observe::LikeViews(signatures, noise);
+  const auto like = observe::LikeViews(signatures, limit * all.radiance_unit);
   Causes causes;
   for (const Pair& views : like) {
     if (IsSame(poses[views.first], poses[views.second], all.radius)) {
@@ -183,7 +183,7 @@ void ExplainViews(const Observations& all, const std::vector<cv::Mat>& signature
     note->text = messages::Text("views-add-nothing/copies", values);
   } else if (causes.unmoved > 0) {
     values["pair"] = Named(causes.first_unmoved, frame_numbers);
-    values["predicted"] = Format("%.2g", causes.predicted);
+    values["predicted"] = Format("%.2g", causes.predicted * all.radiance_unit);
     values["times"] = Format("%.0f", causes.predicted / std::max(noise, 1e-12));
     note->text = messages::Text("views-add-nothing/unmoved", values);
   } else if (!like.empty() && causes.repeated == static_cast<int>(like.size())) {

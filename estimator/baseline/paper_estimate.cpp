@@ -74,7 +74,8 @@ void FillFromPaper(const observe::Observations& observations, const PaperSolutio
   out.condition = kUnknown;
   out.ladder.push_back({"lights", true, CountText(solution)});
   for (const double cost : solution.descent.cost_history)
-    out.history.push_back({static_cast<int>(out.history.size()), std::sqrt(cost)});
+    out.history.push_back(
+        {static_cast<int>(out.history.size()), observations.radiance_unit * std::sqrt(cost)});
   out.initial_rms = out.history.front().rms;
   out.rms = out.history.back().rms;
   out.pixels = observations.used;
@@ -100,8 +101,7 @@ Result<EstimateOutput> EstimateByPaper(const model::KeyframeSource& keyframes,
   auto observed = observe::ObserveScene(
       keyframes, geometry, rays, {estimate_options.most_pixels, watch.stop, watch.on_keyframe});
   if (!observed) return Forward(observed);
-  observed->pixels.variance.clear();  // to the paper all pixels are alike
-  observed->pixels.weight.clear();
+  observe::DropWeights(observed->pixels);  // to the paper all pixels are alike
   const observe::Observations& all = observed->pixels;
   if (!enter(Part::kStart)) return InterruptedError();
   EstimateOutput out;
@@ -114,8 +114,8 @@ Result<EstimateOutput> EstimateByPaper(const model::KeyframeSource& keyframes,
   Estimate& estimate = out.estimate;
   FillFromPaper(all, *solution, options, estimate);
   estimate.views = static_cast<int>(keyframes.size());
-  estimate.distinct_views =
-      observe::DistinctViews(observed->signatures, observe::EstimateNoise(all));
+  estimate.distinct_views = observe::DistinctViews(
+      observed->signatures, observe::LikeLimit(observe::EstimateNoise(all)) * all.radiance_unit);
   AddViewsNote(estimate);
   ExplainViews(all, observed->signatures, keyframes.poses, solution->scene, {},
                options.frame_numbers, estimate);

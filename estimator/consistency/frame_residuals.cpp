@@ -38,8 +38,9 @@ Fit SolveFrom(const observe::Observations& solve_on, const model::Scene& from,
   options.stop = stop;
   solve::Solution solution = solve::SolveSettled(solve_on, from, options, 2);
   const double values = solve::ValueCount(solve_on, solution.evaluate);
-  return {std::move(solution.scene),
-          std::sqrt(2.0 * solution.equations.cost / std::max(values, 1.0))};
+  return {
+      std::move(solution.scene),
+      solve_on.radiance_unit * std::sqrt(2.0 * solution.equations.cost / std::max(values, 1.0))};
 }
 
 // Starts on some pixels of all, solves on others.
@@ -69,7 +70,8 @@ std::vector<cv::Mat1f> ModelPictures(const observe::Observations& all, const mod
       if (all.pixel[i] == observe::Observations::kNoPixel) continue;
       if (options.shadows.usable && (*options.shadows.usable)[i] == 0) continue;
       const int at = static_cast<int>(all.pixel[i]);
-      out[k](at / size.width, at % size.width) = model[0][i];
+      out[k](at / size.width, at % size.width) =
+          static_cast<float>(all.radiance_unit) * model[0][i];
     }
   });
   return out;

@@ -24,8 +24,8 @@ struct FrameResidual {
   double level = 0.0;      // root mean square of the model
 };
 
-// Grey model radiances of every keyframe as a picture; NaN where nothing is observed or a shadow's
-// edge lies. size: of the pictures.
+// Grey model radiances of every keyframe as a picture, in white; NaN where nothing is observed or a
+// shadow's edge lies. size: of the pictures.
 std::vector<cv::Mat1f> ModelPictures(const observe::Observations& all, const model::Scene& scene,
                                      cv::Size size);
 
@@ -35,11 +35,11 @@ FrameResidual Compare(const cv::Mat1f& picture, const cv::Mat1f& model);
 // The observations of some keyframes only: the others' pixels are filling.
 observe::Observations Only(const observe::Observations& all, const std::vector<bool>& frames);
 
-// A scene that explains the observations, looked for without a hint; in their coordinates. With
-// stop set of no use.
+// A scene that explains the observations, looked for without a hint; in their coordinates and
+// radiance unit. With stop set of no use.
 struct Fit {
   model::Scene scene;
-  double rms = 0.0;  // of what is left, radiance
+  double rms = 0.0;  // of what is left, of white
 };
 Fit FitAnew(const observe::Observations& all, const model::ModelChoice& choice,
             const StopFlag* stop);

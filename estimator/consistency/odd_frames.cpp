@@ -174,7 +174,7 @@ class Judging {
     FramesJudged out;
     const Fit of_all = FitQuickly(all_, choice_, stop_);
     out.rms_of_all = out.rms_of_rest = of_all.rms;
-    const double noise = observe::EstimateNoise(all_);
+    const double noise = observe::EstimateNoise(all_) * all_.radiance_unit;
     out.noise = noise;
     out.scene = BestStart(of_all.scene, noise);
     std::vector<FrameResidual> residuals = ResidualsOf(out.scene);

@@ -25,11 +25,15 @@ constexpr double kNothingLeft = 1e-3;             // of the level: nothing to ex
 constexpr double kBlack = 1e-7;
 
 struct Fitted {
-  double rms = 0.0, brightest = 0.0;
+  double rms = 0.0, brightest = 0.0;  // of white
   std::size_t pixels = 0;
   model::Scene scene;         // in W
   bool nothing_left = false;  // that a change could explain
 };
+
+double BrightestOf(const observe::Observations& all) {
+  return observe::BrightestRadiance(all) * all.radiance_unit;
+}
 
 Fitted FitChanged(const SmallViews& views, const PoseChange& change,
                   const target::Geometry& geometry, const calib::RayGrid& rays,
@@ -38,7 +42,7 @@ Fitted FitChanged(const SmallViews& views, const PoseChange& change,
       observe::BuildObservations(ToKeyframes(views, change.poses, change.picture), geometry, rays);
   if (all.used < kFewestPixels) return {};
   const Fit fit = FitQuickly(all, choice, stop);
-  return {fit.rms, observe::BrightestRadiance(all), all.used, solve::ToWorld(fit.scene, all)};
+  return {fit.rms, BrightestOf(all), all.used, solve::ToWorld(fit.scene, all)};
 }
 
 struct Tried {
@@ -157,8 +161,8 @@ Consistency CheckConsistency(const SmallViews& views, const std::vector<double>&
   out.seen = all.used >= kFewestPixels;
   double noise = 0.0, level = 0.0;
   if (out.seen) {
-    noise = observe::EstimateNoise(all);
-    given = {0.0, observe::BrightestRadiance(all), all.used, {}};
+    noise = observe::EstimateNoise(all) * all.radiance_unit;
+    given = {0.0, BrightestOf(all), all.used, {}};
     level = given.brightest;
     if (views.views.size() >= kFewestJudged) {
       out.frames = JudgeFrames(views, all, geometry, rays, choice, stop);

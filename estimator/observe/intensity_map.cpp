@@ -30,7 +30,7 @@ Cells Plot(const Observations& all) {
     const int row = std::min(static_cast<int>(zenith), kRows - 1);
     double grey = 0.0;
     for (int c = 0; c < all.channels; ++c) grey += static_cast<double>(all.radiance[c][i]);
-    cells.sum(row, column) += grey / all.channels;
+    cells.sum(row, column) += grey / all.channels * all.radiance_unit;
     cells.count(row, column) += 1.0;
   }
   return cells;

@@ -9,8 +9,8 @@
 
 namespace turnlight::estimator::observe {
 
-// Grey intensity by direction: rows are the zenith about W's +z (0..180 degrees), columns the
-// azimuth (0..360 degrees), one degree a cell; NaN where nothing was seen.
+// Grey intensity (of white) by direction: rows are the zenith about W's +z (0..180 degrees),
+// columns the azimuth (0..360 degrees), one degree a cell; NaN where nothing was seen.
 struct IntensityMap {
   cv::Mat1f intensity;
 };

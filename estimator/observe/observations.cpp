@@ -7,6 +7,7 @@
 #include "estimator/observe/keyframe_tracer.h"
 #include "estimator/observe/observations_builder.h"
 #include "estimator/observe/radiance_statistics.h"
+#include "estimator/observe/radiance_unit.h"
 
 namespace turnlight::estimator::observe {
 namespace {
@@ -19,32 +20,11 @@ constexpr double kModelFloor = 5e-4;
 
 bool AllWeighted(const std::vector<Observations>& parts) {
   return !parts.empty() && std::all_of(parts.begin(), parts.end(), [](const Observations& part) {
-    return part.size() == 0 || !part.variance.empty();
+    return part.size() == 0 || part.weighted;
   });
 }
 
-}  // namespace
-
-void Observations::Resize(std::size_t size) {
-  for (int i = 0; i < 3; ++i) {
-    const float unit = i == 2 ? 1.0f : 0.0f;
-    position[i].assign(size, 0.0f);
-    normal[i].assign(size, unit);
-    mirrored[i].assign(size, unit);
-    if (i < channels) radiance[i].assign(size, 0.0f);
-  }
-  for (auto& component : footprint) component.assign(size, 0);
-  for (auto& component : step) component.assign(size, 0);
-  if (caster != nullptr) {
-    for (auto& component : face_normal) component.assign(size, 0.0f);
-    keyframe.assign(size, 0);
-  }
-  pixel.assign(size, Observations::kNoPixel);
-  tile_footprint.assign(size / kTile, 0.0f);
-}
-
 void SetWeights(Observations& all) {
-  all.weight.assign(all.size(), 1.0f);
   if (all.used == 0) return;
   const double floor = kModelFloor * BrightestRadiance(all);
   const auto variance = [&](std::size_t i) {
@@ -59,9 +39,27 @@ void SetWeights(Observations& all) {
       all.weight[i] = std::sqrt(reference / variance(i));
 }
 
-Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
-                               const target::Geometry& geometry, const calib::RayGrid& rays,
-                               std::vector<cv::Mat1b>* flags) {
+// A part into its place from `at` on: positions about the centroid of all, keyframes after those of
+// the parts before it.
+void PutPart(const Observations& part, std::size_t at, std::uint32_t first_keyframe,
+             Observations& out) {
+  const auto put = [](const auto& from, std::size_t begin, auto& to) {
+    std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(begin));
+  };
+  ForEachOwnPlane([&](auto, auto& to, const auto& from) { put(from, at, to); }, out, part);
+  put(part.tile_footprint, at / kTile, out.tile_footprint);
+  const Eigen::Vector3f shift = ((part.reference - out.reference) / out.radius).cast<float>();
+  for (int k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < part.size(); ++i)
+      out.position[k][at + i] = part.position[k][i] + shift[k];
+  for (int c = part.channels; c < out.channels; ++c) put(part.radiance[0], at, out.radiance[c]);
+  if (out.caster == nullptr) return;
+  for (std::size_t i = 0; i < part.size(); ++i) out.keyframe[at + i] += first_keyframe;
+}
+
+Observations BuildInWhite(const std::vector<model::Keyframe>& keyframes,
+                          const target::Geometry& geometry, const calib::RayGrid& rays,
+                          std::vector<cv::Mat1b>* flags) {
   ObservationsBuilder builder(geometry, rays, keyframes.size(), kAllPixels);
   if (flags != nullptr) flags->clear();
   const auto put = [&](std::size_t, const model::Keyframe& keyframe, KeyframeTracer& tracer) {
@@ -71,6 +69,37 @@ Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
   // Keyframes in memory can be read, and nothing stops it.
   static_cast<void>(TraceKeyframes(model::SourceOf(keyframes), geometry, rays, nullptr, put));
   return builder.Finish();
+}
+
+}  // namespace
+
+void Observations::Resize(std::size_t size) {
+  ForEachPlane([size](auto filling, auto& plane) { plane.assign(size, filling); }, *this);
+  tile_footprint.assign(size / kTile, 0.0f);
+}
+
+void Complete(Observations& observations) {
+  SetRadianceUnit(observations);
+  if (observations.weighted) SetWeights(observations);
+}
+
+void DropWeights(Observations& observations) {
+  observations.weighted = false;
+  observations.variance = {};
+  observations.weight = {};
+}
+
+Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
+                               const target::Geometry& geometry, const calib::RayGrid& rays,
+                               std::vector<cv::Mat1b>* flags) {
+  Observations out = BuildInWhite(keyframes, geometry, rays, flags);
+  Complete(out);
+  return out;
+}
+
+Observations BuildPart(const model::Keyframe& keyframe, const target::Geometry& geometry,
+                       const calib::RayGrid& rays) {
+  return BuildInWhite({keyframe}, geometry, rays, nullptr);
 }
 
 Observations Concatenate(const std::vector<Observations>& parts) {
@@ -88,39 +117,14 @@ Observations Concatenate(const std::vector<Observations>& parts) {
     out.tile_begin.push_back(out.tile_begin.back() + part.tiles());
   }
   if (out.used > 0) out.reference = sum / static_cast<double>(out.used);
+  out.weighted = AllWeighted(parts);
   out.Resize(out.tile_begin.back() * kTile);
-  if (AllWeighted(parts)) out.variance.assign(out.size(), 0.0f);
-  std::size_t at = 0;
   std::uint32_t first_keyframe = 0;
-  const auto put = [&at](const auto& from, auto& to) {
-    std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
-  };
-  for (const Observations& part : parts) {
-    const Eigen::Vector3f shift = ((part.reference - out.reference) / out.radius).cast<float>();
-    for (int k = 0; k < 3; ++k) {
-      for (std::size_t i = 0; i < part.size(); ++i)
-        out.position[k][at + i] = part.position[k][i] + shift[k];
-      put(part.normal[k], out.normal[k]);
-      put(part.mirrored[k], out.mirrored[k]);
-      if (k < out.channels) put(part.radiance[part.channels == 1 ? 0 : k], out.radiance[k]);
-    }
-    for (int k = 0; k < 6; ++k) {
-      put(part.footprint[k], out.footprint[k]);
-      put(part.step[k], out.step[k]);
-    }
-    put(part.pixel, out.pixel);
-    if (!out.variance.empty()) put(part.variance, out.variance);
-    if (out.caster != nullptr) {
-      for (int k = 0; k < 3; ++k) put(part.face_normal[k], out.face_normal[k]);
-      for (std::size_t i = 0; i < part.size(); ++i)
-        out.keyframe[at + i] = part.keyframe[i] + first_keyframe;
-      first_keyframe += static_cast<std::uint32_t>(part.X_TW.size());
-    }
-    std::copy(part.tile_footprint.begin(), part.tile_footprint.end(),
-              out.tile_footprint.begin() + static_cast<std::ptrdiff_t>(at / kTile));
-    at += part.size();
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    PutPart(parts[k], out.tile_begin[k] * kTile, first_keyframe, out);
+    first_keyframe += static_cast<std::uint32_t>(parts[k].X_TW.size());
   }
-  if (!out.variance.empty()) SetWeights(out);
+  Complete(out);
   return out;
 }
 

@@ -1,8 +1,9 @@
 // What the estimator fits: one entry per usable pixel of every keyframe, as a structure of arrays.
 //
 // Coordinates are the solver's: about a reference point in W, lengths divided by the target's
-// radius R, axes those of W. In single precision: 76 bytes a pixel with colour, 68 without, and 16
-// more where the target can shadow itself, and 8 where the sensor's noise is known.
+// radius R, axes those of W, radiances divided by a unit of their own. In single precision: 76
+// bytes a pixel with colour, 68 without, and 16 more where the target can shadow itself, and 8
+// where the sensor's noise is known.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,6 +28,7 @@ struct Observations {
   int channels = 3;                                     // 1 grey, 3 colour
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();  // in W: centroid of the observed surface
   double radius = 1.0;                                  // R, session's length unit
+  double radiance_unit = 1.0;  // of white: what 1 in radiance is; see radiance_unit.h
 
   // Normal and mirrored direction are means over the pixel's footprint; so the normal is a little
   // shorter than 1 where the surface bends, and n.l is the mean of Lambert's term. The position is
@@ -40,11 +42,11 @@ struct Observations {
       footprint;                               // dw/du (3), dw/dv (3): change of w across the pixel
   std::array<std::vector<BFloat16>, 6> step;   // dx/du, dx/dv: change of x across the pixel
   std::array<std::vector<float>, 3> radiance;  // linear; `channels` of them are filled
-  double level = 1.0;                          // what the keyframes' radiances were multiplied by
   std::vector<std::uint32_t> pixel;            // row * width + column; kNoPixel for filling
   // Where the sensor's noise is known, else empty: of a pixel's radiances (the mean over the
   // channels), and what it weighs in residuals: the reference sigma over its own, so that weighted
   // residuals are in radiance still. The reference is the median pixel's.
+  bool weighted = false;
   std::vector<float> variance, weight;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
 
@@ -62,8 +64,7 @@ struct Observations {
   std::size_t used = 0;  // pixels that are not filling
 
   static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
-  // So many entries, all of them filling: its normal and view are unit, so that nothing it computes
-  // before its weight of 0 is NaN. channels and caster must be set.
+  // So many entries, all of them filling. channels, caster and weighted must be set.
   void Resize(std::size_t size);
   double WeightOf(std::size_t i) const {
     return weight.empty() ? 1.0 : static_cast<double>(weight[i]);
@@ -72,18 +73,60 @@ struct Observations {
   std::size_t tiles() const { return pixel.size() / kTile; }
 };
 
-// Sets the weights from the variances, which must be known.
-void SetWeights(Observations& observations);
+// The planes: the arrays that hold something of every pixel. What handles them alike goes through
+// these lists, so that a new plane is one line in one of them. `body` is called with what filling
+// has in a plane and with that plane of each of the observations, for the planes that the first of
+// them holds. Filling has a unit normal and view, so that nothing it computes before its weight of
+// 0 is NaN.
+//
+// The planes that a pixel's own picture fills.
+template <typename Body, typename First, typename... Rest>
+void ForEachOwnPlane(const Body& body, First& first, Rest&... rest) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float unit = k == 2 ? 1.0f : 0.0f;
+    body(unit, first.normal[k], rest.normal[k]...);
+    body(unit, first.mirrored[k], rest.mirrored[k]...);
+    if (static_cast<int>(k) < first.channels) body(0.0f, first.radiance[k], rest.radiance[k]...);
+    if (first.caster != nullptr) body(0.0f, first.face_normal[k], rest.face_normal[k]...);
+  }
+  for (std::size_t k = 0; k < 6; ++k) {
+    body(BFloat16{0}, first.footprint[k], rest.footprint[k]...);
+    body(BFloat16{0}, first.step[k], rest.step[k]...);
+  }
+  body(Observations::kNoPixel, first.pixel, rest.pixel...);
+  if (first.caster != nullptr) body(0u, first.keyframe, rest.keyframe...);
+  if (first.weighted) body(0.0f, first.variance, rest.variance...);
+}
+
+// All planes: also those that depend on the other pixels, the position about the reference and the
+// weight.
+template <typename Body, typename First, typename... Rest>
+void ForEachPlane(const Body& body, First& first, Rest&... rest) {
+  for (std::size_t k = 0; k < 3; ++k) body(0.0f, first.position[k], rest.position[k]...);
+  if (first.weighted) body(1.0f, first.weight, rest.weight...);
+  ForEachOwnPlane(body, first, rest...);
+}
+
+// Observations whose pixels are all there, with their radiances in white, get their radiance unit
+// and, if they have variances, their weights.
+void Complete(Observations& observations);
+
+// All pixels weigh the same.
+void DropWeights(Observations& observations);
 
 // Builds the observations of keyframes, in parallel, deterministically. flags (optional) receives
 // one picture of PixelFlag bits per keyframe. Colour pictures whose channels are the same
-// everywhere are taken as grey. Weighted if all keyframes have variances.
+// everywhere are taken as grey. Weighted if all keyframes have variances. Complete.
 Observations BuildObservations(const std::vector<model::Keyframe>& keyframes,
                                const target::Geometry& geometry, const calib::RayGrid& rays,
                                std::vector<cv::Mat1b>* flags = nullptr);
 
-// The observations of several keyframes, each built alone, as if built together: about the centroid
-// of all. Parts must share geometry; none may be a subsample. Weighted if all parts are.
+// One keyframe's, to be concatenated with others': not complete, radiances are in white.
+Observations BuildPart(const model::Keyframe& keyframe, const target::Geometry& geometry,
+                       const calib::RayGrid& rays);
+
+// The observations of several keyframes, of each its part, as if built together: about the centroid
+// of all. Parts must share geometry. Weighted if all parts are. Complete.
 Observations Concatenate(const std::vector<Observations>& parts);
 
 }  // namespace turnlight::estimator::observe

@@ -30,39 +30,25 @@ ObservationsBuilder::ObservationsBuilder(const target::Geometry& geometry,
     : rays_(&rays), keyframes_(keyframes), most_(most), begin_{0} {
   out_.radius = geometry.radius();
   out_.channels = 1;
+  out_.weighted = keyframes > 0;
   if (!geometry.CanShadowItself()) return;
   out_.caster = &geometry;
   out_.width = rays.width();
 }
 
-// What every array holds of a pixel, and what of filling. Filling has a unit normal and view, so
-// that nothing it computes before its weight of 0 is NaN.
 template <typename Body>
 void ObservationsBuilder::ForEachArray(const Body& body) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const float unit = i == 2 ? 1.0f : 0.0f;
-    body(position_[i], 0.0);
-    body(out_.normal[i], unit);
-    body(out_.mirrored[i], unit);
-    if (static_cast<int>(i) < out_.channels) body(out_.radiance[i], 0.0f);
-    if (out_.caster != nullptr) body(out_.face_normal[i], 0.0f);
-  }
-  for (std::size_t i = 0; i < 6; ++i) {
-    body(out_.footprint[i], BFloat16{0});
-    body(out_.step[i], BFloat16{0});
-  }
-  body(out_.pixel, Observations::kNoPixel);
-  body(footprint_size_, 0.0f);
-  if (out_.caster != nullptr) body(out_.keyframe, 0u);
-  if (weighted_) body(out_.variance, 0.0f);
+  for (std::vector<double>& component : position_) body(0.0, component);
+  body(0.0f, footprint_size_);
+  ForEachOwnPlane(body, out_);
 }
 
 void ObservationsBuilder::Resize(std::size_t size) {
-  ForEachArray([size](auto& array, auto filling) { array.resize(size, filling); });
+  ForEachArray([size](auto filling, auto& array) { array.resize(size, filling); });
 }
 
 void ObservationsBuilder::Reserve(std::size_t size) {
-  ForEachArray([size](auto& array, auto) { array.reserve(size); });
+  ForEachArray([size](auto, auto& array) { array.reserve(size); });
 }
 
 // Grey until a keyframe is not: what came before has then the same in every channel.
@@ -76,10 +62,7 @@ void ObservationsBuilder::TakeChannels(const cv::Mat& radiance) {
 }
 
 void ObservationsBuilder::Add(const model::Keyframe& keyframe, KeyframeTracer& tracer) {
-  if (keyframe.image.variance.empty() && weighted_) {
-    weighted_ = false;
-    out_.variance = {};
-  }
+  if (keyframe.image.variance.empty()) DropWeights(out_);
   TakeChannels(keyframe.image.radiance);
   if (out_.caster != nullptr) out_.X_TW.push_back(keyframe.X_WT.Inverse());
   usable_ += tracer.candidates();
@@ -129,7 +112,7 @@ void ObservationsBuilder::Put(const model::Keyframe& keyframe, const TracedPixel
       image.ptr<float>(row) + static_cast<std::ptrdiff_t>(column) * image.channels();
   for (int c = 0; c < out_.channels; ++c)
     out_.radiance[static_cast<std::size_t>(c)][at] = value[image.channels() == 1 ? 0 : c];
-  if (weighted_) out_.variance[at] = keyframe.image.variance(row, column);
+  if (out_.weighted) out_.variance[at] = keyframe.image.variance(row, column);
   if (out_.caster != nullptr) out_.keyframe[at] = static_cast<std::uint32_t>(count_.size() - 1);
   out_.pixel[at] = traced.pixel;
   footprint_size_[at] = static_cast<float>(g.dw_du.norm() + g.dw_dv.norm());
@@ -162,7 +145,7 @@ void ObservationsBuilder::Thin() {
   used_ = 0;
   for (const std::size_t count : count_) used_ += count;
   const std::size_t size = begin_.back() + count_.back();
-  ForEachArray([&](auto& array, auto filling) {
+  ForEachArray([&](auto filling, auto& array) {
     for (std::size_t k = 0; k < count_.size(); ++k) {
       std::size_t to = begin_[k];
       for (std::size_t i = old_begin[k]; i < old_begin[k] + old_count[k]; ++i)
@@ -195,7 +178,7 @@ Observations ObservationsBuilder::Finish() {
   for (std::size_t i = 0; i < out_.size(); ++i)
     out_.tile_footprint[i / kTile] = std::max(out_.tile_footprint[i / kTile], footprint_size_[i]);
   footprint_size_ = {};
-  if (weighted_ && !count_.empty()) SetWeights(out_);
+  if (out_.weighted) out_.weight.assign(out_.size(), 1.0f);
   return std::move(out_);
 }
 

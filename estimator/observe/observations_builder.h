@@ -32,7 +32,7 @@ class ObservationsBuilder {
   void Add(const model::Keyframe& keyframe, KeyframeTracer& tracer);
   // Usable pixels of what came, whether kept or not.
   std::size_t usable() const { return usable_; }
-  // Once, after the last.
+  // Once, after the last: all pixels, in white. They are still to be completed (Complete).
   Observations Finish();
 
  private:
@@ -48,7 +48,6 @@ class ObservationsBuilder {
 
   const calib::RayGrid* rays_;
   std::size_t keyframes_, most_, usable_ = 0, used_ = 0;
-  bool weighted_ = true;
   Observations out_;
   std::vector<std::size_t> begin_;               // of each keyframe that came, then the end
   std::vector<std::size_t> count_;               // of its pixels

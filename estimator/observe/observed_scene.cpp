@@ -24,6 +24,7 @@ Result<ObservedScene> ObserveScene(const model::KeyframeSource& keyframes,
     return Forward(status);
   out.usable = builder.usable();
   out.pixels = builder.Finish();
+  Complete(out.pixels);
   if (const Status status = CheckOutliers(out.counts); !status) return Forward(status);
   if (const Status status = CheckUsable(out.pixels, &out.counts); !status) return Forward(status);
   return out;

@@ -32,7 +32,7 @@ struct ObservedScene {
   Observations pixels;
   std::size_t usable = 0;           // pixels, kept or not
   FlagCounts counts;                // of the target's pixels
-  std::vector<cv::Mat> signatures;  // of the views
+  std::vector<cv::Mat> signatures;  // of the views, in white
 };
 
 // Reads each keyframe once, a few at a time. Fails as the source does, and with kNoEstimate, in

@@ -1,4 +1,5 @@
-// What the observed radiances are as a whole: their noise, their middle, their extremes.
+// What the observed radiances are as a whole: their noise, their middle, their extremes. In the
+// observations' radiance unit.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,6 +18,9 @@ Eigen::Vector3d MedianColour(const Observations& observations);
 
 // Of one channel, the value that a twentieth of the pixels is darker than. There must be pixels.
 double DarkRadiance(const Observations& observations, int channel);
+
+// At or below this share of white nothing was lit.
+inline constexpr double kDarkRadiance = 1e-7;
 
 // 99.9 % quantile of the first channel. There must be pixels.
 double BrightestRadiance(const Observations& observations);

@@ -23,18 +23,14 @@ std::vector<float> RowGradient(const Observations& all) {
   return gradient;
 }
 
-template <typename T>
-void Gather(const std::vector<T>& from, const std::vector<std::size_t>& picked,
-            std::vector<T>& to) {
-  for (std::size_t i = 0; i < picked.size(); ++i) to[i] = from[picked[i]];
-}
-
 // The pixels at these places, in one run of tiles.
 Observations Picked(const Observations& all, const std::vector<std::size_t>& picked) {
   Observations out;
   out.channels = all.channels;
   out.reference = all.reference;
   out.radius = all.radius;
+  out.radiance_unit = all.radiance_unit;
+  out.weighted = all.weighted;
   out.caster = all.caster;
   out.width = all.width;
   out.X_TW = all.X_TW;
@@ -42,27 +38,10 @@ Observations Picked(const Observations& all, const std::vector<std::size_t>& pic
   out.used = picked.size();
   out.tile_begin.push_back((picked.size() + kTile - 1) / kTile);
   out.Resize(out.tile_begin.back() * kTile);
-  for (int k = 0; k < 3; ++k) {
-    Gather(all.position[k], picked, out.position[k]);
-    Gather(all.normal[k], picked, out.normal[k]);
-    Gather(all.mirrored[k], picked, out.mirrored[k]);
-    if (k < all.channels) Gather(all.radiance[k], picked, out.radiance[k]);
-  }
-  for (int k = 0; k < 6; ++k) {
-    Gather(all.footprint[k], picked, out.footprint[k]);
-    Gather(all.step[k], picked, out.step[k]);
-  }
-  Gather(all.pixel, picked, out.pixel);
-  if (!all.weight.empty()) {
-    out.variance.assign(out.size(), 0.0f);
-    out.weight.assign(out.size(), 1.0f);
-    Gather(all.variance, picked, out.variance);
-    Gather(all.weight, picked, out.weight);
-  }
-  if (out.caster != nullptr) {
-    for (int k = 0; k < 3; ++k) Gather(all.face_normal[k], picked, out.face_normal[k]);
-    Gather(all.keyframe, picked, out.keyframe);
-  }
+  const auto gather = [&picked](auto, const auto& from, auto& to) {
+    for (std::size_t i = 0; i < picked.size(); ++i) to[i] = from[picked[i]];
+  };
+  ForEachPlane(gather, all, out);
   for (std::size_t i = 0; i < picked.size(); ++i)
     out.tile_footprint[i / kTile] =
         std::max(out.tile_footprint[i / kTile], all.tile_footprint[picked[i] / kTile]);

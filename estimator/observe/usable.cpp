@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kMinPixels = 30;
 constexpr double kManyOutliers = 0.005, kMostOutliers = 0.35;  // of the target's pixels
-constexpr double kDarkRadiance = 1e-7;                         // white is 1: nothing was lit
 
 // Bright pixels at this share of white leave no room for more light.
 constexpr double kNearWhite = 0.3;
@@ -125,7 +124,8 @@ double ShareFromBehind(const model::Keyframe& keyframe, const target::Geometry& 
 
 Status CheckUsable(const Observations& all, const FlagCounts* counts) {
   if (all.used < kMinPixels) return TooFew(all.used, counts);
-  if (const double brightest = BrightestRadiance(all); brightest <= kDarkRadiance)
+  const double brightest = BrightestRadiance(all) * all.radiance_unit;
+  if (brightest <= kDarkRadiance)
     return messages::Refuse("black", {{"bright", std::to_string(brightest)}});
   return {};
 }

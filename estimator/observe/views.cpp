@@ -40,12 +40,12 @@ cv::Mat ViewSignature(const model::Keyframe& keyframe) {
 
 double LikeLimit(double noise) { return 1.5 * std::sqrt(2.0) * noise + 1e-6; }
 
-std::vector<std::pair<int, int>> LikeViews(const std::vector<cv::Mat>& signatures, double noise) {
+std::vector<std::pair<int, int>> LikeViews(const std::vector<cv::Mat>& signatures, double limit) {
   std::vector<int> distinct;
   std::vector<std::pair<int, int>> like;
   for (int k = 0; k < static_cast<int>(signatures.size()); ++k) {
     const auto earlier = std::find_if(distinct.begin(), distinct.end(), [&](int other) {
-      return AreAlike(signatures[k], signatures[other], LikeLimit(noise));
+      return AreAlike(signatures[k], signatures[other], limit);
     });
     if (earlier == distinct.end())
       distinct.push_back(k);
@@ -55,8 +55,8 @@ std::vector<std::pair<int, int>> LikeViews(const std::vector<cv::Mat>& signature
   return like;
 }
 
-int DistinctViews(const std::vector<cv::Mat>& signatures, double noise) {
-  return static_cast<int>(signatures.size() - LikeViews(signatures, noise).size());
+int DistinctViews(const std::vector<cv::Mat>& signatures, double limit) {
+  return static_cast<int>(signatures.size() - LikeViews(signatures, limit).size());
 }
 
 }  // namespace turnlight::estimator::observe

@@ -1,6 +1,16 @@
 #include "estimator/solve/coordinates.h"
 
 namespace turnlight::estimator::solve {
+namespace {
+
+// What the picture is linear in.
+void Scale(model::Reflectance& reflectance, double by) {
+  reflectance.ambient *= by;
+  reflectance.diffuse *= by;
+  reflectance.specular *= by;
+}
+
+}  // namespace
 
 model::Scene ToSolver(const model::Scene& scene, const observe::Observations& observations) {
   model::Scene out = scene;
@@ -8,6 +18,7 @@ model::Scene ToSolver(const model::Scene& scene, const observe::Observations& ob
     light = model::Recentred(light, observations.reference);
     light.inverse_distance *= observations.radius;
   }
+  Scale(out.reflectance, 1.0 / observations.radiance_unit);
   return out;
 }
 
@@ -17,6 +28,7 @@ model::Scene ToWorld(const model::Scene& scene, const observe::Observations& obs
     light.inverse_distance /= observations.radius;
     light = model::Recentred(light, -observations.reference);
   }
+  Scale(out.reflectance, observations.radiance_unit);
   return out;
 }
 

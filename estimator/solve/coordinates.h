@@ -1,4 +1,5 @@
-// From W to the coordinates of the observations and back.
+// From W and radiances in white to the coordinates and the radiance unit of the observations, and
+// back.
 #pragma once
 
 #include "estimator/model/scene.h"
@@ -6,7 +7,8 @@
 
 namespace turnlight::estimator::solve {
 
-// Scene in W to the observations' coordinates and back (exact; see Recentred).
+// Scene in W to the observations' coordinates and back (exact; see Recentred). Of the reflectance,
+// ambient, diffuse and specular are radiances; the lights' intensities are relative.
 model::Scene ToSolver(const model::Scene& scene, const observe::Observations& observations);
 model::Scene ToWorld(const model::Scene& scene, const observe::Observations& observations);
 

@@ -42,16 +42,7 @@ struct RandomObservations {
     observe::Observations& out = observations;
     out.channels = channels;
     const std::size_t size = (count + observe::kTile - 1) / observe::kTile * observe::kTile;
-    for (int k = 0; k < 3; ++k) {
-      out.position[k].assign(size, 0.0f);
-      out.normal[k].assign(size, k == 2 ? 1.0f : 0.0f);
-      out.mirrored[k].assign(size, k == 2 ? 1.0f : 0.0f);
-      if (k < channels) out.radiance[k].assign(size, 0.0f);
-    }
-    for (auto& component : out.footprint) component.assign(size, 0);
-    for (auto& component : out.step) component.assign(size, 0);
-    out.pixel.assign(size, observe::Observations::kNoPixel);
-    out.tile_footprint.assign(size / observe::kTile, 0.0f);
+    out.Resize(size);
     out.tile_begin = {0, size / observe::kTile};
     out.used = count;
     std::uint64_t draw = 0;
@@ -104,6 +95,7 @@ inline void AddNoise(double sigma, std::uint64_t seed, observe::Observations& al
 // Weights as noise that is unlike from pixel to pixel gives them, 0.3 to 3.
 inline void GiveWeights(std::uint64_t seed, observe::Observations& all) {
   const RandomStream random(seed, 6);
+  all.weighted = true;
   all.variance.assign(all.size(), 1.0f);
   all.weight.assign(all.size(), 1.0f);
   for (std::size_t i = 0; i < all.used; ++i)

@@ -328,8 +328,11 @@ rig::sim::SyntheticConfig OneLight() {
   return config;
 }
 
-Result<EstimateOutput> RunPaper(const rig::sim::SyntheticSession& session) {
-  const auto keyframes = rig::sim::ToKeyframes(session);
+// level: what the pictures are multiplied by.
+Result<EstimateOutput> RunPaper(const rig::sim::SyntheticSession& session, double level = 1.0) {
+  auto keyframes = rig::sim::ToKeyframes(session);
+  for (model::Keyframe& keyframe : keyframes)
+    keyframe.image.radiance = keyframe.image.radiance * level;
   EstimateOptions options;
   options.residuals_of = [](std::size_t count) {
     std::vector<std::size_t> all(count);
@@ -370,6 +373,30 @@ TEST(PaperEstimateTest, OneLightOnASphere) {
     }
   EXPECT_EQ(count, static_cast<double>(e.pixels));
   EXPECT_LT(std::sqrt(sum / count), 1.1 * e.rms);
+}
+
+// Pictures far from white are fitted in a unit of their own.
+TEST(PaperEstimateTest, DarkAndBrightPicturesGiveTheSameScene) {
+  const auto session = rig::sim::SynthesizeInMemory(OneLight());
+  ASSERT_TRUE(session) << session.error().text;
+  const auto dark = RunPaper(*session, std::exp2(-12.0));
+  const auto bright = RunPaper(*session, std::exp2(12.0));
+  ASSERT_TRUE(dark && bright);
+  const double factor = std::exp2(24.0);
+  const Estimate &a = dark->estimate, &b = bright->estimate;
+  ASSERT_EQ(a.lights.size(), 1u);
+  ASSERT_EQ(b.lights.size(), 1u);
+  EXPECT_EQ(b.lights[0].light.direction, a.lights[0].light.direction);
+  EXPECT_EQ(b.lights[0].distance, a.lights[0].distance);
+  EXPECT_EQ(b.lights[0].specular_product, factor * a.lights[0].specular_product);
+  EXPECT_EQ(b.lights[0].diffuse_product, factor * a.lights[0].diffuse_product);
+  EXPECT_EQ(b.reflectance.albedo, a.reflectance.albedo);
+  EXPECT_EQ(b.ambient_product, factor * a.ambient_product);
+  EXPECT_EQ(b.distinct_views, a.distinct_views);
+  EXPECT_EQ(b.iterations, a.iterations);
+  EXPECT_EQ(b.initial_rms, factor * a.initial_rms);
+  EXPECT_EQ(b.rms, factor * a.rms);
+  EXPECT_LT(b.rms, 0.2 * b.initial_rms);
 }
 
 TEST(PaperEstimateTest, SameBitsWithAnyNumberOfThreads) {

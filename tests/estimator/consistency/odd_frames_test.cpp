@@ -5,14 +5,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/estimator/consistency/mangled.h"
 
 namespace turnlight::estimator::consistency {
 namespace {
 
-FramesJudged Judged(const Capture& capture) {
+// level: what the pictures are multiplied by.
+FramesJudged Judged(const Capture& capture, double level = 1.0) {
   const target::Geometry geometry(capture.session.target);
-  const SmallViews views = SmallViewsOf(capture, geometry);
+  SmallViews views = SmallViewsOf(capture, geometry);
+  for (SmallView& view : views.views) view.radiance = view.radiance * level;
   const calib::RayGrid rays(views.camera);
   return JudgeFrames(views, observe::BuildObservations(ToKeyframes(views), geometry, rays),
                      geometry, rays, {}, nullptr);
@@ -53,6 +57,27 @@ INSTANTIATE_TEST_SUITE_P(
       std::erase(name, '-');
       return name;
     });
+
+// Pictures far from white are judged in a unit of their own.
+TEST(OddFrames, OfDarkAndBrightPicturesAreTheSame) {
+  Capture capture = Captured(SmallCapture(4, Shape::kLump, 12));
+  MakeOdd(capture, "dimmed", 5);
+  const FramesJudged dark = Judged(capture, std::exp2(-12.0));
+  const FramesJudged bright = Judged(capture, std::exp2(12.0));
+  const double factor = std::exp2(24.0);
+  ASSERT_EQ(OddOf(dark), std::vector<std::size_t>{5});
+  ASSERT_EQ(OddOf(bright), std::vector<std::size_t>{5});
+  EXPECT_EQ(bright.frames[5].what, dark.frames[5].what);
+  EXPECT_EQ(bright.rms_of_all, factor * dark.rms_of_all);
+  EXPECT_EQ(bright.rms_of_rest, factor * dark.rms_of_rest);
+  EXPECT_EQ(bright.usual, factor * dark.usual);
+  EXPECT_EQ(bright.level, factor * dark.level);
+  EXPECT_EQ(bright.noise, factor * dark.noise);
+  for (std::size_t k = 0; k < 12; ++k) {
+    EXPECT_EQ(bright.frames[k].residual.gain, dark.frames[k].residual.gain);
+    EXPECT_EQ(bright.frames[k].residual.left, factor * dark.frames[k].residual.left);
+  }
+}
 
 TEST(OddFrames, OnABallAreNamedWhereTheyShow) {
   Capture capture = Captured(SmallCapture(5, Shape::kSphere, 12));

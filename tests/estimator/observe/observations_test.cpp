@@ -101,7 +101,7 @@ TEST(Observations, PartsBuiltAloneAreTheWhole) {
   const Observations whole = BuildObservations(built.keyframes, built.geometry, built.rays);
   std::vector<Observations> parts;
   for (const model::Keyframe& keyframe : built.keyframes)
-    parts.push_back(BuildObservations({keyframe}, built.geometry, built.rays));
+    parts.push_back(BuildPart(keyframe, built.geometry, built.rays));
   const Observations joined = Concatenate(parts);
   EXPECT_EQ(joined.used, whole.used);
   EXPECT_EQ(joined.channels, whole.channels);

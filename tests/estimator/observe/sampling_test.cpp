@@ -67,7 +67,9 @@ TEST(Sampling, APixelKeepsAllThatIsKnownOfIt) {
   Observations all = RandomObservations(3000, 3, 1).observations;
   all.reference = {1.0, 2.0, 3.0};
   all.radius = 4.0;
+  all.radiance_unit = 8.0;
   all.width = 50;
+  GiveWeights(1, all);
   for (std::size_t k = 0; k < 6; ++k)
     for (std::size_t i = 0; i < all.size(); ++i) {
       all.footprint[k][i] = static_cast<BFloat16>(i + k);
@@ -78,6 +80,7 @@ TEST(Sampling, APixelKeepsAllThatIsKnownOfIt) {
   const Observations sample = EvenSubsample(all, 700, 5, nullptr);
   EXPECT_EQ(sample.reference, all.reference);
   EXPECT_EQ(sample.radius, all.radius);
+  EXPECT_EQ(sample.radiance_unit, all.radiance_unit);
   EXPECT_EQ(sample.width, all.width);
   EXPECT_TRUE(sample.subsampled);
   ASSERT_EQ(sample.size() % kTile, 0u);
@@ -87,14 +90,9 @@ TEST(Sampling, APixelKeepsAllThatIsKnownOfIt) {
     if (i > 0) {
       EXPECT_GT(from, sample.pixel[i - 1]);
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(sample.position[k][i], all.position[k][from]);
-      EXPECT_EQ(sample.normal[k][i], all.normal[k][from]);
-      EXPECT_EQ(sample.mirrored[k][i], all.mirrored[k][from]);
-      EXPECT_EQ(sample.radiance[k][i], all.radiance[k][from]);
-    }
-    EXPECT_EQ(sample.footprint[5][i], all.footprint[5][from]);
-    EXPECT_EQ(sample.step[0][i], all.step[0][from]);
+    ForEachPlane([&](auto, const auto& of_all,
+                     const auto& of_sample) { EXPECT_EQ(of_sample[i], of_all[from]); },
+                 all, sample);
     EXPECT_GE(sample.tile_footprint[i / kTile], all.tile_footprint[from / kTile]);
   }
   for (std::size_t i = sample.used; i < sample.size(); ++i)

@@ -46,15 +46,15 @@ TEST(ViewSignature, IsBounded) {
 TEST(DistinctViews, NoiseAloneMakesNone) {
   const std::vector<cv::Mat> same = {NoisyView(0.5, 0.01, 1), NoisyView(0.5, 0.01, 2),
                                      NoisyView(0.5, 0.01, 3)};
-  EXPECT_EQ(DistinctViews(same, 0.01), 1);
-  EXPECT_EQ(DistinctViews(same, 0.005), 3) << "the noise is twice what was said";
+  EXPECT_EQ(DistinctViews(same, LikeLimit(0.01)), 1);
+  EXPECT_EQ(DistinctViews(same, LikeLimit(0.005)), 3) << "the noise is twice what was said";
   EXPECT_EQ(DistinctViews({}, 0.01), 0);
 }
 
 // Two pictures of noise sigma are sqrt(2) sigma apart; the limit is 1.5 times that.
 TEST(DistinctViews, ADifferenceBeyondNoiseCounts) {
   const auto pair = [](double apart) {
-    return DistinctViews({NoisyView(0.5, 0.0, 1), NoisyView(0.5 + apart, 0.0, 2)}, 0.01);
+    return DistinctViews({NoisyView(0.5, 0.0, 1), NoisyView(0.5 + apart, 0.0, 2)}, LikeLimit(0.01));
   };
   EXPECT_EQ(pair(0.0205), 1);
   EXPECT_EQ(pair(0.0220), 2);

@@ -1,5 +1,5 @@
-// Proves: a scene taken to the observations' coordinates shows the same radiances there, and comes
-// back the same. Does not prove that these coordinates are good ones to solve in.
+// Proves: a scene taken to the observations' coordinates shows the same radiances there, in their
+// unit, and comes back the same. Does not prove that these coordinates are good ones to solve in.
 #include "estimator/solve/coordinates.h"
 
 #include <gtest/gtest.h>
@@ -18,9 +18,13 @@ TEST(Coordinates, RadiancesAreTheSameInBoth) {
   observe::Observations frame;
   frame.reference = {0.3, -0.2, 0.5};
   frame.radius = 2.5;
+  frame.radiance_unit = 0.125;
   const model::Scene solver = ToSolver(scene, frame);
   EXPECT_EQ(solver.lights[1].inverse_distance, 0.0);
   const model::Scene back = ToWorld(solver, frame);
+  EXPECT_EQ(back.reflectance.ambient, scene.reflectance.ambient);
+  EXPECT_EQ(back.reflectance.diffuse, scene.reflectance.diffuse);
+  EXPECT_EQ(back.reflectance.specular, scene.reflectance.specular);
   for (std::size_t l = 0; l < 2; ++l) {
     EXPECT_LT((back.lights[l].direction - scene.lights[l].direction).norm(), 1e-15);
     EXPECT_NEAR(back.lights[l].inverse_distance, scene.lights[l].inverse_distance, 1e-15);
@@ -30,7 +34,7 @@ TEST(Coordinates, RadiancesAreTheSameInBoth) {
   for (std::uint64_t i = 0; i < 100; ++i) {
     const Vector3d p = 0.7 * RandomUnit(random, i), n = RandomUnit(random, 1000 + i);
     const Vector3d v = (n + 0.5 * RandomUnit(random, 2000 + i)).normalized();
-    const Vector3d expected = model::Shade(scene, p, n, v);
+    const Vector3d expected = model::Shade(scene, p, n, v) / frame.radiance_unit;
     EXPECT_LT((model::Shade(solver, (p - frame.reference) / frame.radius, n, v) - expected).norm(),
               1e-12);
   }
