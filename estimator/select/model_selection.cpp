@@ -16,6 +16,7 @@ namespace {
 constexpr double kMinSpecularPeak = 0.003;    // of white
 constexpr double kMinInverseDistance = 5e-4;  // rho R
 constexpr double kSignificance = 3.0;
+constexpr double kFirstF0 = 0.5, kKnownF0 = 0.2;
 constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
 constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
 
@@ -108,6 +109,33 @@ void ChooseSpecular(const observe::Observations& observations, Refined& out,
   out.splits = uncertainty::SplitResiduals(observations, out.solution);
 }
 
+// Of a physical lobe F is 1 everywhere unless the views tell F0 from that.
+void ChooseFresnel(const observe::Observations& observations, Refined& out,
+                   std::vector<model::Rung>& ladder) {
+  const auto& lobes = out.solution.scene.reflectance.lobes;
+  if (!lobes[0].present() || !model::FactsOf(lobes[0].model).physical) return;
+  const Refined held = out;
+  // A start at the bound would be held there.
+  out.solution.scene.reflectance.lobes[0].f0 = kFirstF0;
+  out.options.free_f0 = true;
+  SolveOn(observations, out);
+  if (StopRequested(out.options.stop)) return;
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+  const auto order = uncertainty::StrengthOrder(out.solution.scene, observations);
+  const double sigma =
+      uncertainty::EstimateUncertainty(out.solution, observations, order, out.views_per_distinct,
+                                       out.splits)
+          .total.lobes[0]
+          .f0;
+  const double f0 = out.solution.scene.reflectance.lobes[0].f0;
+  const bool told = std::isfinite(sigma) && sigma < kKnownF0 && 1.0 - f0 > kSignificance * sigma;
+  ladder.push_back({"fresnel", told,
+                    Format("F0 is %.3g with sigma %.2g; it counts if it is below 1 by 3 sigma and "
+                           "sigma is below %.2g",
+                           f0, sigma, kKnownF0)});
+  if (!told) out = held;
+}
+
 // A light is near if its inverse distance about the reference, in 1/R, says so.
 void ChooseDistances(const observe::Observations& observations, const model::ModelChoice& choice,
                      Refined& out, std::vector<model::Rung>& ladder) {
@@ -168,6 +196,8 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
     ladder.push_back({"specular", *choice.specular != model::SpecularModel::kNone, "as asked for"});
   else
     ChooseSpecular(observations, out, ladder);
+  if (StopRequested(stop)) return out;
+  ChooseFresnel(observations, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseDistances(observations, choice, out, ladder);
   return out;

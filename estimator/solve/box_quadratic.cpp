@@ -77,7 +77,7 @@ Eigen::VectorXd MinimiseInBox(const Eigen::MatrixXd& matrix, const Eigen::Vector
   for (Eigen::Index round = 0; round < 4 * n; ++round) {
     const std::vector<Eigen::Index> free = FreeOnes(states);
     Eigen::VectorXd held = d;
-    held(free).setZero();
+    for (const Eigen::Index i : free) held[i] = 0.0;
     const Eigen::VectorXd target =
         Eigen::LLT<Eigen::MatrixXd>(matrix(free, free)).solve(-(slope + matrix * held)(free));
     const Reach reach = HowFar(d, target, free, low, high);

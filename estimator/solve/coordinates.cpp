@@ -7,7 +7,7 @@ namespace {
 void Scale(model::Reflectance& reflectance, double by) {
   reflectance.ambient *= by;
   reflectance.diffuse *= by;
-  reflectance.specular *= by;
+  for (model::Lobe& lobe : reflectance.lobes) lobe.strength *= by;
 }
 
 }  // namespace

@@ -97,7 +97,8 @@ void FillReflectance(const model::Reflectance& r, const model::Parameters& param
 }  // namespace
 
 KernelScene::KernelScene(const observe::Observations& observations, const model::Scene& scene,
-                         const EvaluateOptions& options) {
+                         const EvaluateOptions& options, int channel) {
+  const bool all = channel == kAllChannels;
   for (const model::Light& light : scene.lights) {
     const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
     kernel::KernelLight& out = lights.emplace_back();
@@ -107,17 +108,18 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
       out.tangent[1][k] = basis(k, 1);
     }
     out.inverse_distance = light.inverse_distance;
-    out.intensity = light.intensity;
+    out.intensity = all ? light.intensity : light.intensity * light.color[channel];
   }
   const model::Reflectance& r = scene.reflectance;
-  model.channels = observations.channels;
+  model.channels = all ? observations.channels : 1;
   model.lights = static_cast<int>(lights.size());
   model.light = lights.data();
   double sum = 0.0, square = 0.0;
   for (int c = 0; c < model.channels; ++c) {
-    model.albedo[c] = r.albedo[c];
-    sum += r.albedo[c];
-    square += r.albedo[c] * r.albedo[c];
+    const double albedo = r.albedo[all ? c : channel];
+    model.albedo[c] = albedo;
+    sum += albedo;
+    square += albedo * albedo;
   }
   FillReflectance(r, model::Parameters(scene, model.channels), model);
   model.huber = options.huber;
@@ -130,9 +132,21 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
   model.l22 = rest > 1e-12 ? std::sqrt(rest) : 0.0;
 }
 
+std::vector<int> ChannelsOf(const model::Scene& scene, int channels) {
+  const bool coloured =
+      scene.free_colours ||
+      std::any_of(scene.lights.begin(), scene.lights.end(),
+                  [](const model::Light& light) { return light.color != Eigen::Vector3d::Ones(); });
+  if (!coloured || channels == 1) return {kAllChannels};
+  std::vector<int> list;
+  for (int c = 0; c < channels; ++c) list.push_back(c);
+  return list;
+}
+
 // One chunk's arrays. lit: room for a pointer for each light.
 KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& options,
-                      std::size_t tile, std::size_t tiles, std::vector<const std::uint8_t*>& lit) {
+                      std::size_t tile, std::size_t tiles, int channel,
+                      std::vector<const std::uint8_t*>& lit) {
   KernelPixels pixels{};
   const std::size_t at = tile * observe::kTile;
   const Shadows& shadows = options.shadows;
@@ -145,6 +159,7 @@ KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& o
     pixels.mirrored[k] = all.mirrored[k].data() + at;
     pixels.radiance[k] = k < all.channels ? all.radiance[k].data() + at : nullptr;
   }
+  if (channel != kAllChannels) pixels.radiance[0] = pixels.radiance[channel];
   for (int k = 0; k < 6; ++k) {
     pixels.footprint[k] = all.footprint[k].data() + at;
     pixels.step[k] = all.step[k].data() + at;

@@ -12,21 +12,29 @@
 
 namespace turnlight::estimator::solve {
 
+inline constexpr int kAllChannels = -1;
+
 // The lights live beside the model, which points to them: not to be copied.
 struct KernelScene {
   kernel::KernelModel model{};
   std::vector<kernel::KernelLight> lights;
 
+  // channel: the scene as that one channel sees it, each light in its colour there; kAllChannels:
+  // all of them under white lights.
   KernelScene(const observe::Observations& observations, const model::Scene& scene,
-              const EvaluateOptions& options);
+              const EvaluateOptions& options, int channel = kAllChannels);
   KernelScene(const KernelScene&) = delete;
   KernelScene& operator=(const KernelScene&) = delete;
 };
 
-// The arrays of `tiles` tiles from `tile` on. lit: receives a pointer for each light, and must
-// outlive what is returned.
+// The channels that have to be looked at one by one, as lights are coloured: 0, 1, 2; or all of
+// them at once.
+std::vector<int> ChannelsOf(const model::Scene& scene, int channels);
+
+// The arrays of `tiles` tiles from `tile` on, of one channel or all. lit: receives a pointer for
+// each light, and must outlive what is returned.
 kernel::KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& options,
-                              std::size_t tile, std::size_t tiles,
+                              std::size_t tile, std::size_t tiles, int channel,
                               std::vector<const std::uint8_t*>& lit);
 
 // How tiles are shared out to threads: a function of their number alone.

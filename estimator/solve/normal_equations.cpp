@@ -1,5 +1,6 @@
 #include "estimator/solve/normal_equations.h"
 
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -52,10 +53,28 @@ NormalEquations Assemble(const KernelModel& model, const KernelSums& sums) {
   return out;
 }
 
+// What one channel's columns are of the scene's: each parameter moves a light's strength there, its
+// intensity times its colour, as the chain rule says.
+Eigen::MatrixXd MapOf(const model::Scene& scene, const model::Parameters& parameters, int rows,
+                      int channel) {
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(1 + rows, parameters.count());
+  map(0, parameters.Albedo(channel)) = 1.0;
+  for (int row = 0; row < rows; ++row) map(1 + row, parameters.channels() + row) = 1.0;
+  for (int l = 0; l < parameters.lights(); ++l) {
+    const model::Light& light = scene.lights[static_cast<std::size_t>(l)];
+    const int row = 1 + parameters.Intensity(l) - parameters.channels();
+    map(row, parameters.Intensity(l)) = light.color[channel];
+    if (const int colour = parameters.Colour(l, channel); colour >= 0)
+      map(row, colour) = light.intensity;
+  }
+  return map;
+}
+
 template <typename Real, typename Function>
-NormalEquations EvaluateWith(const observe::Observations& observations, const model::Scene& scene,
-                             const EvaluateOptions& options, Function accumulate) {
-  const KernelScene kernel_scene(observations, scene, options);
+NormalEquations EvaluateChannel(const observe::Observations& observations,
+                                const model::Scene& scene, const EvaluateOptions& options,
+                                int channel, Function accumulate) {
+  const KernelScene kernel_scene(observations, scene, options, channel);
   const int n = kernel_scene.model.Shared();
   const Chunks chunks(observations.tiles());
   std::vector<ChunkSums> parts;
@@ -65,12 +84,33 @@ NormalEquations EvaluateWith(const observe::Observations& observations, const mo
     const std::size_t first = chunks.First(chunk), tiles = chunks.Tiles(chunk);
     std::vector<Real> workspace(kernel::WorkspaceSize(n));
     std::vector<const std::uint8_t*> lit;
-    accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles, lit),
+    accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles, channel, lit),
                workspace.data(), parts[chunk].sums);
   });
   ChunkSums total(n);
-  for (const ChunkSums& part : parts) total.Add(part, observations.channels);
-  return Assemble(kernel_scene.model, total.sums);
+  for (const ChunkSums& part : parts) total.Add(part, kernel_scene.model.channels);
+  NormalEquations out = Assemble(kernel_scene.model, total.sums);
+  if (channel == kAllChannels) return out;
+  const Eigen::MatrixXd map =
+      MapOf(scene, model::Parameters(scene, observations.channels), n, channel);
+  return {map.transpose() * out.hessian * map, map.transpose() * out.gradient, out.cost};
+}
+
+template <typename Real, typename Function>
+NormalEquations EvaluateWith(const observe::Observations& observations, const model::Scene& scene,
+                             const EvaluateOptions& options, Function accumulate) {
+  NormalEquations sum;
+  for (const int channel : ChannelsOf(scene, observations.channels)) {
+    NormalEquations of = EvaluateChannel<Real>(observations, scene, options, channel, accumulate);
+    if (sum.gradient.size() == 0) {
+      sum = std::move(of);
+      continue;
+    }
+    sum.hessian += of.hessian;
+    sum.gradient += of.gradient;
+    sum.cost += of.cost;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -84,18 +124,29 @@ Eigen::MatrixXd TileGradients(const observe::Observations& observations, const m
                               const EvaluateOptions& options) {
   EvaluateOptions gradient_only = options;
   gradient_only.gradient_only = true;
-  const KernelScene kernel_scene(observations, scene, gradient_only);
-  const int n = kernel_scene.model.Shared();
-  Eigen::MatrixXd out(observations.channels + n, static_cast<Eigen::Index>(observations.tiles()));
-  ParallelFor(observations.tiles(), [&](std::size_t tile) {
-    std::vector<float> workspace(kernel::WorkspaceSize(n));
-    std::vector<const std::uint8_t*> lit;
-    ChunkSums chunk(n);
-    kernel::BestKernel().accumulate(kernel_scene.model,
-                                    PixelsOf(observations, options, tile, 1, lit), workspace.data(),
-                                    chunk.sums);
-    out.col(static_cast<Eigen::Index>(tile)) = Assemble(kernel_scene.model, chunk.sums).gradient;
-  });
+  const model::Parameters parameters(scene, observations.channels);
+  Eigen::MatrixXd out =
+      Eigen::MatrixXd::Zero(parameters.count(), static_cast<Eigen::Index>(observations.tiles()));
+  for (const int channel : ChannelsOf(scene, observations.channels)) {
+    const KernelScene kernel_scene(observations, scene, gradient_only, channel);
+    const int n = kernel_scene.model.Shared();
+    Eigen::MatrixXd map;
+    if (channel != kAllChannels) map = MapOf(scene, parameters, n, channel);
+    ParallelFor(observations.tiles(), [&](std::size_t tile) {
+      std::vector<float> workspace(kernel::WorkspaceSize(n));
+      std::vector<const std::uint8_t*> lit;
+      ChunkSums chunk(n);
+      kernel::BestKernel().accumulate(kernel_scene.model,
+                                      PixelsOf(observations, options, tile, 1, channel, lit),
+                                      workspace.data(), chunk.sums);
+      const Eigen::VectorXd gradient = Assemble(kernel_scene.model, chunk.sums).gradient;
+      const auto at = static_cast<Eigen::Index>(tile);
+      if (channel == kAllChannels)
+        out.col(at) = gradient;
+      else
+        out.col(at) += map.transpose() * gradient;
+    });
+  }
   return out;
 }
 

@@ -22,7 +22,8 @@ struct NormalEquations {
   double cost = 0.0;         // sum of r^2 / 2 over pixels and channels; r weighted, if pixels are
 };
 
-// scene is in the observations' coordinates (about the reference, lengths / R), lights white.
+// scene is in the observations' coordinates (about the reference, lengths / R). Under coloured
+// lights each channel is a problem of its own, and so is its loss: three passes instead of one.
 NormalEquations Evaluate(const observe::Observations& observations, const model::Scene& scene,
                          const EvaluateOptions& options);
 // The gradient of each tile by itself: columns x tiles.

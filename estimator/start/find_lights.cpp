@@ -5,6 +5,7 @@
 
 #include "base/format.h"
 #include "estimator/model/direction_lattice.h"
+#include "estimator/model/reflectance/models.h"
 #include "estimator/start/add_missing_lights.h"
 #include "estimator/start/eliminate_lights.h"
 #include "estimator/start/merge_lights.h"
@@ -13,10 +14,12 @@
 namespace turnlight::estimator::start {
 namespace {
 
+namespace reflectance = model::reflectance;
+
 constexpr std::size_t kMaxClusters = 12;
 constexpr int kLatticeLights = 24;
 constexpr double kRatioPerLight = 3.0;
-constexpr double kRoughRatio = 1.25, kHalfVectorRatio = 1.25;
+constexpr double kRoughRatio = 1.25, kLobeRatio = 1.25, kCoatRatio = 1.25;
 constexpr double kFirstRoughness = 0.3;  // radians
 
 Eigen::Vector3d MeanNormal(const observe::Observations& all) {
@@ -160,25 +163,50 @@ Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
 
 Candidate ChooseLobe(const Sample& sample, const Candidate& candidate,
                      std::vector<model::Rung>& ladder) {
+  const std::string first = model::FactsOf(model::SpecularModel::kBlinnPhong).word;
   if (sample.choice.specular) {
-    const bool half_vector = *sample.choice.specular == model::SpecularModel::kBlinnPhong;
-    ladder.push_back({"blinn-phong", half_vector, "as asked for"});
+    const model::SpecularModel asked = *sample.choice.specular;
+    const bool plain = asked == model::SpecularModel::kNone || asked == model::SpecularModel::kPhong;
+    ladder.push_back({plain ? first : model::FactsOf(asked).word, !plain, "as asked for"});
     return candidate;
   }
   if (NothingLeft(candidate.excess, sample)) {
-    ladder.push_back({"blinn-phong", false,
+    ladder.push_back({first, false,
                       Format("with Phong the excess variance is %.3g: nothing is left to explain",
                              candidate.excess)});
     return candidate;
   }
-  Candidate other = Eliminate(sample, WithLobe(candidate, model::SpecularModel::kBlinnPhong));
-  const bool fewer = other.scene.lights.size() <= candidate.scene.lights.size();
-  const bool accepted = fewer && other.excess * kHalfVectorRatio < candidate.excess;
-  ladder.push_back({"blinn-phong", accepted,
-                    Format("excess variance %.3g with Phong, %.3g with Blinn-Phong; it counts from "
-                           "a ratio of %.2f",
-                           candidate.excess, other.excess, kHalfVectorRatio)});
-  return accepted ? other : candidate;
+  Candidate best = candidate;
+  for (int number = 1; number < model::reflectance::Lobes::kCount; ++number) {
+    const auto model = static_cast<model::SpecularModel>(number + 1);
+    Candidate other = Eliminate(sample, WithLobe(candidate, model));
+    const bool fewer = other.scene.lights.size() <= candidate.scene.lights.size();
+    const bool accepted =
+        fewer && other.excess * kLobeRatio < candidate.excess && other.excess < best.excess;
+    const reflectance::LobeFacts& facts = model::FactsOf(model);
+    ladder.push_back(
+        {facts.word, accepted,
+         Format("excess variance %.3g with Phong, %.3g with %s; it counts from a ratio of %.2f",
+                candidate.excess, other.excess, facts.name, kLobeRatio)});
+    if (accepted) best = std::move(other);
+  }
+  return best;
+}
+
+Candidate ChooseCoat(const Sample& sample, const Candidate& candidate,
+                     std::vector<model::Rung>& ladder) {
+  // Of what explains the pictures nothing is said: most surfaces have no coat.
+  if (sample.choice.diffuse || NothingLeft(candidate.excess, sample)) return candidate;
+  Candidate coated =
+      Eliminate(sample, WithDiffuse(candidate, model::DiffuseModel::kCoated));
+  const bool fewer = coated.scene.lights.size() <= candidate.scene.lights.size();
+  const bool accepted = fewer && coated.excess * kCoatRatio < candidate.excess;
+  ladder.push_back(
+      {model::FactsOf(model::DiffuseModel::kCoated).word, accepted,
+       Format("excess variance %.3g with %s, %.3g under a coat; it counts from a ratio of %.2f",
+              candidate.excess, Name(candidate.scene.reflectance.diffuse_model), coated.excess,
+              kCoatRatio)});
+  return accepted ? coated : candidate;
 }
 
 }  // namespace turnlight::estimator::start

@@ -21,9 +21,13 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
 Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
                         std::vector<model::Rung>& ladder);
 
-// Phong or Blinn-Phong for these lights: Blinn-Phong only if it makes the excess variance 1.25
-// times smaller.
+// The lobe for these lights: another than Phong's only if it makes the excess variance 1.25 times
+// smaller without more lights; of these the one that leaves least.
 Candidate ChooseLobe(const Sample& sample, const Candidate& candidate,
+                     std::vector<model::Rung>& ladder);
+
+// Whether the diffuse part lies under a coat, by the same rule.
+Candidate ChooseCoat(const Sample& sample, const Candidate& candidate,
                      std::vector<model::Rung>& ladder);
 
 }  // namespace turnlight::estimator::start

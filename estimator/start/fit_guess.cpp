@@ -29,12 +29,17 @@ model::Scene StartFromGuess(const Sample& sample, const model::InitialGuess& gue
   }
   model::Reflectance& r = start.reflectance;
   if (guess.reflectance) {
-    r.lobes[0].model = guess.reflectance->lobes[0].model;
-    r.lobes[0].shape = guess.reflectance->lobes[0].shape;
+    const double peak = model::LobePeak(r.lobes[0]);
+    r.lobes = guess.reflectance->lobes;
+    for (model::Lobe& lobe : r.lobes) {
+      lobe.strength = 1.0;
+      lobe.strength = lobe.present() ? peak / model::LobePeak(lobe) : 0.0;
+    }
     r.diffuse_model = guess.reflectance->diffuse_model;
     r.roughness = guess.reflectance->roughness;
   }
-  r.lobes[0].model = sample.choice.specular.value_or(r.lobes[0].model);
+  if (sample.choice.specular && *sample.choice.specular != r.lobes[0].model)
+    r.lobes[0] = model::Converted(r.lobes[0], *sample.choice.specular);
   r.diffuse_model = sample.choice.diffuse.value_or(r.diffuse_model);
   return start;
 }

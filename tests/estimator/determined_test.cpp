@@ -35,8 +35,8 @@ Estimate Known() {
     if (i > 0) light.intensity_sigma = 0.01;
     light.diffuse_product = {0.4, 0.3, 0.2};
     light.diffuse_product_sigma = {0.01, 0.01, 0.01};
-    light.specular_product = 0.2;
-    light.specular_product_sigma = 0.01;
+    light.specular_product[0] = 0.2;
+    light.specular_product_sigma[0] = 0.01;
   }
   estimate.stat.lights.resize(2);
   estimate.budget.emplace_back().sigma.lights.resize(2);
@@ -104,7 +104,7 @@ TEST(Determined, EachValueWhoseSigmaAllowsAnything) {
   EXPECT_THAT(UnknownOf(estimate), ElementsAre("reflectance/roughness_deg"));
   estimate = Known();
   estimate.lights[0].diffuse_product_sigma.setConstant(0.9);
-  estimate.lights[1].specular_product_sigma = 7.0;
+  estimate.lights[1].specular_product_sigma[0] = 7.0;
   EXPECT_THAT(UnknownOf(estimate), ElementsAre("products/diffuse/0/0", "products/diffuse/0/1",
                                                "products/diffuse/0/2", "products/specular/1"));
 }

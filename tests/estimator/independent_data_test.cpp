@@ -105,7 +105,8 @@ void ExpectTruth(const Estimate& estimate, const model::Scene& truth) {
       EXPECT_NEAR(nearest->diffuse_product[c] / product, 1.0, 0.01);
     }
     if (r.lobes[0].strength > 0.0) {
-      EXPECT_NEAR(nearest->specular_product / (r.lobes[0].strength * light.intensity), 1.0, 0.01);
+      EXPECT_NEAR(nearest->specular_product[0] / (r.lobes[0].strength * light.intensity), 1.0,
+                  0.01);
     }
   }
   for (int c = 0; c < 3; ++c)

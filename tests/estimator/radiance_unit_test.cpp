@@ -25,36 +25,43 @@ void Append(const Eigen::MatrixXd& from, Values& to) {
 }
 
 void Append(const uncertainty::Uncertainty& of, Values& radiances, Values& others) {
-  for (const double value : {of.ambient, of.diffuse, of.specular}) radiances.push_back(value);
+  for (const double value : {of.ambient, of.diffuse, of.lobes[0].strength})
+    radiances.push_back(value);
   Append(of.ambient_product, radiances);
   for (const uncertainty::LightSigma& light : of.lights) {
     Append(light.diffuse_product, radiances);
-    radiances.push_back(light.specular_product);
+    radiances.push_back(light.specular_product[0]);
     for (const double value :
          {light.direction, light.inverse_distance, light.intensity, light.distance})
       others.push_back(value);
     Append(light.position_covariance, others);
   }
   Append(of.albedo, others);
-  for (const double value : {of.shininess, of.roughness, of.condition}) others.push_back(value);
+  for (const double value : {of.lobes[0].shape, of.roughness, of.condition})
+    others.push_back(value);
 }
 
 // All numbers of an estimate: those that are radiances, and the others.
 std::pair<Values, Values> NumbersOf(const Estimate& e) {
-  Values radiances{
-      e.reflectance.ambient, e.reflectance.diffuse, e.reflectance.specular, e.sigma.ambient,
-      e.sigma.diffuse,       e.sigma.specular,      e.initial_rms,          e.rms};
+  Values radiances{e.reflectance.ambient,
+                   e.reflectance.diffuse,
+                   e.reflectance.lobes[0].strength,
+                   e.sigma.ambient,
+                   e.sigma.diffuse,
+                   e.sigma.lobes[0].strength,
+                   e.initial_rms,
+                   e.rms};
   Append(e.ambient_product, radiances);
   Append(e.ambient_product_sigma, radiances);
-  Values others{e.reflectance.shininess, e.sigma.shininess.value_or(0.0), e.condition,
+  Values others{e.reflectance.lobes[0].shape, e.sigma.lobes[0].shape.value_or(0.0), e.condition,
                 static_cast<double>(e.pixels), static_cast<double>(e.distinct_views)};
   Append(e.reflectance.albedo, others);
   Append(e.sigma.albedo, others);
   for (const LightEstimate& light : e.lights) {
     Append(light.diffuse_product, radiances);
     Append(light.diffuse_product_sigma, radiances);
-    radiances.push_back(light.specular_product);
-    radiances.push_back(light.specular_product_sigma);
+    radiances.push_back(light.specular_product[0]);
+    radiances.push_back(light.specular_product_sigma[0]);
     Append(light.light.direction, others);
     for (const double value :
          {light.light.inverse_distance, light.light.intensity, light.direction_sigma,

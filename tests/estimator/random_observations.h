@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "estimator/model/parameters.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
 #include "tests/estimator/directions.h"
@@ -21,9 +22,16 @@ inline model::Scene TwoLights(double first = 0.15, double second = 0.25) {
   r.albedo = {0.4, 0.6, 0.7};
   r.ambient = 0.1;
   r.diffuse = 0.6;
-  r.specular = 0.3;
-  r.shininess = 25.0;
+  r.lobes[0].strength = 0.3;
+  r.lobes[0].shape = 25.0;
   return scene;
+}
+
+// Those of a scene with so many lights and Phong's lobe.
+inline model::Parameters PlainParameters(int channels, int lights) {
+  model::Scene scene;
+  scene.lights.resize(static_cast<std::size_t>(lights));
+  return {scene, channels};
 }
 
 struct RandomPoint {

@@ -60,7 +60,7 @@ TEST(RecoveryTest, StatedSigmasAreThoseOfTheErrors) {
       directions[l].push_back(light.light.direction);
       direction_sigma[l] += light.direction_sigma / kDraws;
       spreads[name + "rho"].Add(light.light.inverse_distance, light.inverse_distance_sigma);
-      spreads[name + "specular"].Add(light.specular_product, light.specular_product_sigma);
+      spreads[name + "specular"].Add(light.specular_product[0], light.specular_product_sigma[0]);
       for (int c = 0; c < 3; ++c)
         spreads[name + "diffuse " + std::to_string(c)].Add(light.diffuse_product[c],
                                                            light.diffuse_product_sigma[c]);

@@ -58,7 +58,7 @@ TEST(FillFromFit, IsTheFitInTheResultsGauge) {
                e.reflectance.albedo * e.reflectance.diffuse * light.light.intensity)
                   .norm(),
               1e-15);
-    EXPECT_NEAR(light.specular_product, e.reflectance.lobes[0].strength * light.light.intensity,
+    EXPECT_NEAR(light.specular_product[0], e.reflectance.lobes[0].strength * light.light.intensity,
                 1e-15);
   }
 }
@@ -102,7 +102,7 @@ TEST(FillFromFit, TotalSigmasAreNoSmallerThanTheStatistical) {
     EXPECT_GT(e.stat.lights[l].direction, 0.0);
     EXPECT_GE(e.lights[l].direction_sigma, e.stat.lights[l].direction);
     EXPECT_GE(e.lights[l].inverse_distance_sigma, e.stat.lights[l].inverse_distance);
-    EXPECT_GE(e.lights[l].specular_product_sigma, e.stat.lights[l].specular_product);
+    EXPECT_GE(e.lights[l].specular_product_sigma[0], e.stat.lights[l].specular_product[0]);
   }
   EXPECT_GE(e.sigma.ambient, e.stat.ambient);
   EXPECT_GE(*e.sigma.lobes[0].shape, e.stat.lobes[0].shape);

@@ -26,8 +26,8 @@ inline model::Reflectance Glossy(double ambient, double diffuse, double specular
   reflectance.albedo = {0.4, 0.6, 0.7};
   reflectance.ambient = ambient;
   reflectance.diffuse = diffuse;
-  reflectance.specular = specular;
-  reflectance.shininess = 30.0;
+  reflectance.lobes[0].strength = specular;
+  reflectance.lobes[0].shape = 30.0;
   return reflectance;
 }
 

@@ -45,7 +45,7 @@ TEST(Starts, EightLightsOnALumpAreFoundFromTenViews) {
   config.motion.frames = 10;
   config.motion.step_deg = 36.0;
   config.camera = {.width = 160, .height = 120, .focal_px = 320.0, .distortion = {}};
-  std::get<model::Reflectance>(config.reflectance).shininess = 60.0;
+  std::get<model::Reflectance>(config.reflectance).lobes[0].shape = 60.0;
   LightsOf(config).clear();
   for (int i = 0; i < 8; ++i) {
     const double azimuth = DegToRad(45.0 * i), zenith = DegToRad(i % 2 == 0 ? 25.0 : 60.0);
@@ -125,7 +125,8 @@ void ExpectSameLights(const Estimate& a, const Estimate& b, double unit,
     EXPECT_LT(((*y.position - shift) / unit - *x.position).norm(), 0.01 * sigma);
     EXPECT_NEAR(std::sqrt(y.position_covariance->trace()) / unit, sigma, 0.01 * sigma);
   }
-  EXPECT_NEAR(b.reflectance.shininess, a.reflectance.shininess, 0.01 * a.sigma.shininess.value());
+  EXPECT_NEAR(b.reflectance.lobes[0].shape, a.reflectance.lobes[0].shape,
+              0.01 * a.sigma.lobes[0].shape.value());
   EXPECT_NEAR(b.rms, a.rms, 1e-4 * a.rms);
 }
 
@@ -227,14 +228,15 @@ double WorstInSigmas(const Estimate& e, const rig::sim::SyntheticSession& sessio
     const LightEstimate& found = e.lights[i];
     take(DegToRad(AngleDeg(found.light.direction, light.direction)), found.direction_sigma);
     take(found.light.inverse_distance - light.inverse_distance, found.inverse_distance_sigma);
-    take(found.specular_product - truth.specular * light.intensity, found.specular_product_sigma);
+    take(found.specular_product - truth.lobes[0].strength * light.intensity,
+         found.specular_product_sigma);
     for (int c = 0; c < 3; ++c)
       take(found.diffuse_product[c] - truth.albedo[c] * truth.diffuse * light.intensity,
            found.diffuse_product_sigma[c]);
   }
   for (int c = 0; c < 3; ++c)
     take(e.ambient_product[c] - truth.albedo[c] * truth.ambient, e.ambient_product_sigma[c]);
-  take(e.reflectance.shininess - truth.shininess, e.sigma.shininess.value_or(0.0));
+  take(e.reflectance.lobes[0].shape - truth.lobes[0].shape, e.sigma.lobes[0].shape.value_or(0.0));
   return worst;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/printable.h"
 #include "rig/session/mesh_file.h"
 
 namespace {
@@ -26,8 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                               file, &remarks);
   if (!mesh) remarks.push_back(mesh.error().text);
   for (const std::string& text : remarks)
-    Require(text.starts_with(file) &&
-            std::none_of(text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }));
+    Require(text.starts_with(file) && turnlight::Printable(text) == text);
   if (!mesh) return 0;
   Require(!mesh->faces.empty() && mesh->normals.size() == mesh->vertices.size());
   std::vector<bool> named(mesh->vertices.size());

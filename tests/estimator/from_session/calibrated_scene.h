@@ -55,8 +55,8 @@ inline rig::sim::SyntheticConfig SmallRig(rig::sim::SyntheticTarget target) {
   material.albedo = {0.8, 0.7, 0.6};
   material.ambient = 0.05;
   material.diffuse = 0.5;
-  material.specular = 0.15;
-  material.shininess = 25.0;
+  material.lobes[0].strength = 0.15;
+  material.lobes[0].shape = 25.0;
   config.reflectance = material;
   config.sensor.noise_relative = 0.002;
   config.sensor.white = 32768.0;

@@ -90,14 +90,17 @@ TEST(SpecularTerm, IsOneInTheMirrorAndAPowerOfTheCosineBeside) {
     for (const double off : {0.0, 0.5, 12.0}) {
       const double power = std::pow(std::cos(DegToRad(off)), shininess);
       r.lobes[0].model = SpecularModel::kPhong;
-      EXPECT_NEAR(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(40 + off), FromZenith(-40)), power,
-                  1e-11);
+      EXPECT_NEAR(
+          SpecularTerm(r.lobes[0], Vector3d::UnitZ(), FromZenith(40 + off), FromZenith(-40)), power,
+          1e-11);
       // The half vector turns by half as much.
       r.lobes[0].model = SpecularModel::kBlinnPhong;
-      EXPECT_NEAR(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(40 + 2 * off), FromZenith(-40)),
-                  power, 1e-11);
+      EXPECT_NEAR(
+          SpecularTerm(r.lobes[0], Vector3d::UnitZ(), FromZenith(40 + 2 * off), FromZenith(-40)),
+          power, 1e-11);
       r.lobes[0].model = SpecularModel::kNone;
-      EXPECT_EQ(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(40 + off), FromZenith(-40)), 0.0);
+      EXPECT_EQ(SpecularTerm(r.lobes[0], Vector3d::UnitZ(), FromZenith(40 + off), FromZenith(-40)),
+                0.0);
     }
   }
 }
@@ -107,19 +110,19 @@ TEST(SpecularTerm, EndsAtTheHorizonAndARightAngleFromTheMirror) {
   r.lobes[0].shape = 0.5;
   for (const auto model : {SpecularModel::kPhong, SpecularModel::kBlinnPhong}) {
     r.lobes[0].model = model;
-    EXPECT_EQ(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(90.5), FromZenith(-85)), 0.0);
+    EXPECT_EQ(SpecularTerm(r.lobes[0], Vector3d::UnitZ(), FromZenith(90.5), FromZenith(-85)), 0.0);
   }
   r.lobes[0].model = SpecularModel::kPhong;
-  EXPECT_GT(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(-29), FromZenith(-60)), 0.0);
-  EXPECT_EQ(SpecularTerm(r, Vector3d::UnitZ(), FromZenith(-31), FromZenith(-60)), 0.0);
+  EXPECT_GT(SpecularTerm(r.lobes[0], Vector3d::UnitZ(), FromZenith(-29), FromZenith(-60)), 0.0);
+  EXPECT_EQ(SpecularTerm(r.lobes[0], Vector3d::UnitZ(), FromZenith(-31), FromZenith(-60)), 0.0);
 }
 
 TEST(LobeHalfWidth, IsWhereTheLobeIsHalf) {
   for (const double n : {0.5, 1.0, 20.0, 1e5}) {
-    const double width = LobeHalfWidth(n);
+    const double width = LobeHalfWidth({SpecularModel::kPhong, 1.0, n});
     EXPECT_NEAR(std::pow(std::cos(width), n), 0.5, 1e-9) << n;
   }
-  EXPECT_NEAR(RadToDeg(LobeHalfWidth(1.0)), 60.0, 1e-12);
+  EXPECT_NEAR(RadToDeg(LobeHalfWidth({SpecularModel::kPhong, 1.0, 1.0})), 60.0, 1e-12);
 }
 
 // A near light over a point above the origin: half as far, four times as bright.

@@ -19,7 +19,7 @@ inline Estimate ExampleEstimate() {
   near.position = Eigen::Vector3d(252, 336, 560);
   near.position_covariance = Eigen::Matrix3d::Identity();
   near.diffuse_product = {0.1, 0.2, 0.3};
-  near.specular_product = 0.35;
+  near.specular_product[0] = 0.35;
   LightEstimate distant;
   distant.light = {Eigen::Vector3d::UnitZ(), 0.0, 0.5, {1, 1, 1}};
   distant.intensity_sigma = 0.01;
@@ -30,9 +30,9 @@ inline Estimate ExampleEstimate() {
   e.stat.lights[0].distance = 0.5;
   e.stat.lights[1].distance = 0.5;  // of a distance that is not given
   e.reflectance.albedo = {0.4, 0.9, 1.0};
-  e.reflectance.specular = 0.35;
-  e.reflectance.shininess = 40.0;
-  e.sigma.shininess = 0.4;
+  e.reflectance.lobes[0].strength = 0.35;
+  e.reflectance.lobes[0].shape = 40.0;
+  e.sigma.lobes[0].shape = 0.4;
   e.condition = 1234.0;
   e.pixels = 4321;
   e.views = 36;

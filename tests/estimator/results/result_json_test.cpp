@@ -149,11 +149,11 @@ TEST(ResultJson, ReadsBackAsTheSameScene) {
 TEST(ResultJson, LobeWidthIsWhereTheLobeHalves) {
   model::Reflectance phong;
   phong.lobes[0].shape = 40.0;
-  const double half = DegToRad(LobeWidthDeg(phong) / 2.0);
+  const double half = DegToRad(LobeWidthDeg(phong.lobes[0]) / 2.0);
   EXPECT_NEAR(std::pow(std::cos(half), 40.0), 0.5, 1e-12);
   model::Reflectance blinn = phong;
   blinn.lobes[0].model = model::SpecularModel::kBlinnPhong;
-  EXPECT_DOUBLE_EQ(LobeWidthDeg(blinn), 2.0 * LobeWidthDeg(phong));
+  EXPECT_DOUBLE_EQ(LobeWidthDeg(blinn.lobes[0]), 2.0 * LobeWidthDeg(phong.lobes[0]));
 }
 
 void CollectKeys(const nlohmann::ordered_json& json, std::set<std::string>& keys) {

@@ -24,7 +24,7 @@ TEST(Coordinates, RadiancesAreTheSameInBoth) {
   const model::Scene back = ToWorld(solver, frame);
   EXPECT_EQ(back.reflectance.ambient, scene.reflectance.ambient);
   EXPECT_EQ(back.reflectance.diffuse, scene.reflectance.diffuse);
-  EXPECT_EQ(back.reflectance.specular, scene.reflectance.specular);
+  EXPECT_EQ(back.reflectance.lobes[0].strength, scene.reflectance.lobes[0].strength);
   for (std::size_t l = 0; l < 2; ++l) {
     EXPECT_LT((back.lights[l].direction - scene.lights[l].direction).norm(), 1e-15);
     EXPECT_NEAR(back.lights[l].inverse_distance, scene.lights[l].inverse_distance, 1e-15);

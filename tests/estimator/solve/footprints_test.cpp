@@ -22,13 +22,29 @@ observe::Observations TilesWithFootprints(const std::vector<float>& footprints) 
   return out;
 }
 
+model::Reflectance OfShininess(double shininess) {
+  model::Reflectance reflectance;
+  reflectance.lobes[0].shape = shininess;
+  return reflectance;
+}
+
+TEST(FootprintSamples, AreForTheNarrowestLobe) {
+  const observe::Observations tiles = TilesWithFootprints({0.0f, 0.02f, 0.2f});
+  model::Reflectance both = OfShininess(5.0);
+  both.lobes[1] = {model::SpecularModel::kGgx, 0.1, 0.02};
+  model::Reflectance narrow = both;
+  std::swap(narrow.lobes[0], narrow.lobes[1]);
+  EXPECT_EQ(FootprintSamples(tiles, both), FootprintSamples(tiles, narrow));
+  EXPECT_NE(FootprintSamples(tiles, both), FootprintSamples(tiles, OfShininess(5.0)));
+}
+
 TEST(FootprintSamples, GrowWithFootprintAndShininess) {
   std::vector<float> footprints;
   for (int i = 0; i < 60; ++i) footprints.push_back(0.01f * static_cast<float>(i));
   const observe::Observations tiles = TilesWithFootprints(footprints);
   std::vector<std::uint8_t> wider(footprints.size(), 1);
   for (const double shininess : {1.0, 10.0, 100.0, 1000.0, 1e5}) {
-    const auto samples = FootprintSamples(tiles, shininess);
+    const auto samples = FootprintSamples(tiles, OfShininess(shininess));
     ASSERT_EQ(samples.size(), footprints.size());
     EXPECT_EQ(samples[0], 1);
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -44,7 +60,8 @@ TEST(FootprintSamples, GrowWithFootprintAndShininess) {
 }
 
 TEST(FootprintSamples, AreNoFewerThanAskedFor) {
-  const auto samples = FootprintSamples(TilesWithFootprints({0.0f, 0.03f, 0.2f}), 10.0, 2);
+  const auto samples =
+      FootprintSamples(TilesWithFootprints({0.0f, 0.03f, 0.2f}), OfShininess(10.0), 2);
   EXPECT_EQ(samples[0], 2);
   EXPECT_EQ(samples[1], 2);
   EXPECT_GE(samples[2], 2);
@@ -60,7 +77,7 @@ TEST(FootprintSamples, AreEnoughForAGaussianLobe) {
   const double shininess = -1.0 / std::log2(std::cos(kHalfWidth));
   for (const double ratio : {0.1, 0.19, 0.3, 0.49, 0.6, 1.0, 1.2, 2.0, 3.0, 5.0}) {
     const int n = FootprintSamples(TilesWithFootprints({static_cast<float>(ratio * kHalfWidth)}),
-                                   shininess, 2)[0];
+                                   OfShininess(shininess), 2)[0];
     for (const double offset : {0.0, 0.3, 1.0}) {
       double mean = 0.0, truth = 0.0;
       const auto lobe = [&](double at) {

@@ -18,13 +18,14 @@
 #include "estimator/solve/kernel/tile_kernel.h"
 #include "estimator/solve/prediction.h"
 #include "tests/estimator/random_observations.h"
+#include "tests/estimator/textbook_reflectance.h"
 
 namespace turnlight::estimator::solve {
 namespace {
 
 constexpr int kLights = 2;
-constexpr int kColumns = 3 + 5 + 4 * kLights;
-using Jet = ceres::Jet<double, kColumns>;
+constexpr int kMostColumns = 3 + 9 + 7 * kLights;
+using Jet = ceres::Jet<double, kMostColumns>;
 using JetVector = Eigen::Matrix<Jet, 3, 1>;
 
 model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
@@ -46,23 +47,27 @@ model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
   r.lobes[0].strength = random.Uniform(35, 0.1, 0.6);
   r.lobes[0].shape = std::exp(random.Uniform(36, std::log(2.0), std::log(300.0)));
   r.lobes[0].model = specular;
+  if (model::FactsOf(specular).physical) {
+    r.lobes[0].shape = random.Uniform(36, 0.1, 0.8);
+    r.lobes[0].f0 = random.Uniform(38, 0.1, 0.9);
+  }
   r.diffuse_model = diffuse;
   r.roughness = random.Uniform(37, 0.1, 0.8);
   return scene;
 }
 
-// The model of one pixel in Jets: columns as in Columns, tangent coordinates at zero.
+// The model of one pixel in Jets: columns as in Parameters, tangent coordinates at zero.
 std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point) {
-  const Columns columns{3, kLights};
+  const model::Parameters columns(scene, 3);
   const model::Reflectance& r = scene.reflectance;
-  const auto variable = [](double value, int column) { return Jet(value, column); };
+  const auto variable = [](double value, int column) {
+    return column < 0 ? Jet(value) : Jet(value, column);
+  };
   const Jet ambient = variable(r.ambient, columns.Ambient());
   const Jet diffuse = variable(r.diffuse, columns.Diffuse());
-  const Jet specular = variable(r.lobes[0].strength, columns.Specular());
-  const Jet shininess = exp(variable(std::log(r.lobes[0].shape), columns.LogShininess()));
-  const Jet variance = variable(r.roughness * r.roughness, columns.RoughnessSquared());
+  const Jet variance = variable(r.roughness * r.roughness, columns.Roughness());
   const JetVector n = point.normal.cast<Jet>(), v = point.viewer.cast<Jet>();
-  Jet diffuse_sum(0.0), specular_sum(0.0);
+  JetVector diffuse_sum = JetVector::Zero(), specular_sum = JetVector::Zero();
   for (int l = 0; l < kLights; ++l) {
     const model::Light& light = scene.lights[static_cast<std::size_t>(l)];
     const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
@@ -75,30 +80,27 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
           Jet(light.direction[k]) + t0 * basis(k, 0) + t1 * basis(k, 1) - rho * point.position[k];
     const Jet squared = u.dot(u);
     const JetVector unit = u / sqrt(squared);
-    const Jet nl = n.dot(unit);
-    if (nl.a <= 0.0) continue;
-    Jet f_d = nl;
-    if (r.diffuse_model == model::DiffuseModel::kOrenNayar) {
-      const Jet a = 1.0 - 0.5 * variance / (variance + 0.33);
-      const Jet b = 0.45 * variance / (variance + 0.09);
-      const Jet nv = n.dot(v);
-      const Jet s = unit.dot(v) - nl * nv;
-      f_d = nl * (a + b * (s.a > 0.0 ? s : Jet(0.0)) / (nl.a > nv.a ? nl : nv));
+    if (n.dot(unit).a <= 0.0) continue;
+    const Jet irradiance = intensity / squared;
+    const Jet f_d = textbook::Diffuse(r.diffuse_model, variance, n, unit, v);
+    Jet f_s(0.0);
+    for (int k = 0; k < columns.lobes(); ++k) {
+      const model::Lobe& lobe = r.lobes[static_cast<std::size_t>(k)];
+      const Jet shape = exp(variable(std::log(lobe.shape), columns.Shape(k)));
+      f_s += variable(lobe.strength, columns.Strength(k)) *
+             textbook::Lobe(lobe.model, shape, variable(lobe.f0, columns.F0(k)), n, unit, v);
     }
-    Jet cosine(0.0);
-    if (r.lobes[0].model == model::SpecularModel::kPhong) cosine = (n * (2.0 * nl) - unit).dot(v);
-    if (r.lobes[0].model == model::SpecularModel::kBlinnPhong) {
-      const JetVector sum = unit + v;
-      cosine = n.dot(sum) / sqrt(sum.dot(sum));
+    for (int c = 0; c < 3; ++c) {
+      const Jet colour = variable(light.color[c], columns.Colour(l, c));
+      diffuse_sum[c] += irradiance * colour * f_d;
+      specular_sum[c] += irradiance * colour * f_s;
     }
-    diffuse_sum += intensity / squared * f_d;
-    if (cosine.a > 0.0) specular_sum += intensity / squared * pow(cosine, shininess);
   }
   std::array<Jet, 3> model;
   for (int c = 0; c < 3; ++c)
     model[static_cast<std::size_t>(c)] =
-        variable(r.albedo[c], columns.Albedo(c)) * (ambient + diffuse * diffuse_sum) +
-        specular * specular_sum;
+        variable(r.albedo[c], columns.Albedo(c)) * (ambient + diffuse * diffuse_sum[c]) +
+        specular_sum[c];
   return model;
 }
 
@@ -122,8 +124,8 @@ void Remove(RandomObservations& all, std::size_t i) {
 }
 
 struct Reference {
-  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(kColumns, kColumns);
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(kColumns);
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(kMostColumns, kMostColumns);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(kMostColumns);
   double cost = 0.0;
 };
 
@@ -151,10 +153,11 @@ Reference ByJets(RandomObservations& all, const model::Scene& scene) {
 void ExpectSame(const NormalEquations& equations, const Reference& reference, double tolerance) {
   EXPECT_NEAR(equations.cost, reference.cost, tolerance * reference.cost);
   const double residual = std::sqrt(2.0 * reference.cost);
-  for (int i = 0; i < kColumns; ++i) {
+  const auto columns = static_cast<int>(equations.gradient.size());
+  for (int i = 0; i < columns; ++i) {
     const double size_i = std::sqrt(reference.hessian(i, i)) + 1e-12;
     EXPECT_NEAR(equations.gradient[i], reference.gradient[i], tolerance * size_i * residual) << i;
-    for (int j = 0; j < kColumns; ++j) {
+    for (int j = 0; j < columns; ++j) {
       const double size_j = std::sqrt(reference.hessian(j, j)) + 1e-12;
       EXPECT_NEAR(equations.hessian(i, j), reference.hessian(i, j), tolerance * size_i * size_j)
           << i << " " << j;
@@ -166,7 +169,7 @@ void ExpectSame(const NormalEquations& equations, const Reference& reference, do
 // part by that times the shininess. Below a shininess of 1 the slope of the lobe grows without
 // bound towards its edge, and the rounding with it.
 double Rounding(const model::Scene& scene) {
-  const double n = scene.reflectance.lobes[0].shape;
+  const double n = model::LobeInverseVariance(scene.reflectance.lobes[0]);
   return n < 1.0 ? 1e-4 : 3e-7 * n;
 }
 
@@ -190,15 +193,16 @@ TEST_P(DerivativesTest, AgreeWithAutodiffAtRandomStates) {
 }
 
 TEST_P(DerivativesTest, AgreeWithAutodiffNearTheEdges) {
-  for (const double shininess : {0.5, 1.0, 1e4}) {
+  const bool physical = model::FactsOf(GetParam().specular).physical;
+  for (const double shape : physical ? std::vector{0.02, 0.2, 1.0} : std::vector{0.5, 1.0, 1e4}) {
     for (const double rho : {0.0, 0.9}) {
       model::Scene scene = RandomScene(99, GetParam().specular, GetParam().diffuse);
-      scene.reflectance.lobes[0].shape = shininess;
+      scene.reflectance.lobes[0].shape = shape;
       scene.lights[0].inverse_distance = rho;
       scene.lights[0].direction = Eigen::Vector3d(1.0, 0.2, 1e-3).normalized();  // at the horizon
       RandomObservations all(600, 3, 5);
       const Reference reference = ByJets(all, scene);
-      SCOPED_TRACE(testing::Message() << "n " << shininess << " rho " << rho);
+      SCOPED_TRACE(testing::Message() << "shape " << shape << " rho " << rho);
       const double rounding = Rounding(scene);
       ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-6 + rounding);
       ExpectSame(Evaluate(all.observations, scene, {}), reference, 1e-5 + rounding);
@@ -211,30 +215,26 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Models{model::SpecularModel::kPhong, model::DiffuseModel::kLambert},
                     Models{model::SpecularModel::kBlinnPhong, model::DiffuseModel::kLambert},
                     Models{model::SpecularModel::kNone, model::DiffuseModel::kLambert},
+                    Models{model::SpecularModel::kBeckmann, model::DiffuseModel::kLambert},
+                    Models{model::SpecularModel::kGgx, model::DiffuseModel::kCoated},
                     Models{model::SpecularModel::kPhong, model::DiffuseModel::kOrenNayar}));
 
-// One column of a scene moved by a step, for finite differences.
-model::Scene Moved(const model::Scene& scene, int column, double step) {
-  const Columns columns{3, kLights};
-  model::Scene out = scene;
-  model::Reflectance& r = out.reflectance;
-  if (column < 3) r.albedo[column] += step;
-  if (column == columns.Ambient()) r.ambient += step;
-  if (column == columns.Diffuse()) r.diffuse += step;
-  if (column == columns.Specular()) r.lobes[0].strength += step;
-  if (column == columns.LogShininess()) r.lobes[0].shape *= std::exp(step);
-  if (column == columns.RoughnessSquared())
-    r.roughness = std::sqrt(r.roughness * r.roughness + step);
-  for (int l = 0; l < kLights; ++l) {
-    model::Light& light = out.lights[static_cast<std::size_t>(l)];
-    const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
-    if (column == columns.Intensity(l)) light.intensity += step;
-    if (column == columns.InverseDistance(l)) light.inverse_distance += step;
-    for (int k = 0; k < 2; ++k)
-      if (column == columns.Tangent(l) + k)
-        light.direction = (light.direction + step * basis.col(k)).normalized();
+// Two lobes and lights of their own colours.
+TEST(Derivatives, OfTwoLobesAndColouredLightsAgreeWithAutodiff) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    model::Scene scene =
+        RandomScene(seed, model::SpecularModel::kGgx, model::DiffuseModel::kLambert);
+    scene.reflectance.lobes[1] = {model::SpecularModel::kPhong, 0.2, 9.0};
+    scene.free_colours = true;
+    scene.lights[0].color = {1.0, 0.6, 0.3};
+    scene.lights[1].color = {0.5, 0.9, 1.0};
+    RandomObservations all(300, 3, seed);
+    if (seed % 2 == 0) GiveWeights(seed, all.observations);
+    const Reference reference = ByJets(all, scene);
+    ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-5);
+    ExpectSame(Evaluate(all.observations, scene, {}), reference, 3e-5);
   }
-  return out;
 }
 
 // Far points from every kink, so that a finite step crosses none.
@@ -245,7 +245,8 @@ void KeepSmooth(RandomObservations& all, const model::Scene& scene) {
 
 TEST(FootprintTest, GradientIsTheSlopeOfTheCost) {
   for (const model::SpecularModel specular :
-       {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong}) {
+       {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong,
+        model::SpecularModel::kBeckmann, model::SpecularModel::kGgx}) {
     for (const double huber : {0.0, 0.05}) {
       const model::Scene scene = RandomScene(3, specular, model::DiffuseModel::kOrenNayar);
       RandomObservations all(300, 3, 11);
@@ -263,12 +264,14 @@ TEST(FootprintTest, GradientIsTheSlopeOfTheCost) {
       options.samples_per_side.assign(all.observations.tiles(), 3);
       options.huber = huber;
       const NormalEquations at = EvaluateDouble(all.observations, scene, options);
-      for (int column = 0; column < kColumns; ++column) {
+      const model::Parameters columns(scene, 3);
+      const auto moved = [&](int column, double step) {
+        return model::Moved(scene, columns, step * Eigen::VectorXd::Unit(columns.count(), column));
+      };
+      for (int column = 0; column < columns.count(); ++column) {
         constexpr double kStep = 1e-6;
-        const double up =
-            EvaluateDouble(all.observations, Moved(scene, column, kStep), options).cost;
-        const double down =
-            EvaluateDouble(all.observations, Moved(scene, column, -kStep), options).cost;
+        const double up = EvaluateDouble(all.observations, moved(column, kStep), options).cost;
+        const double down = EvaluateDouble(all.observations, moved(column, -kStep), options).cost;
         const double size = std::sqrt(at.hessian(column, column) * 2.0 * at.cost);
         EXPECT_NEAR(at.gradient[column], (up - down) / (2.0 * kStep), 2e-5 * size + 1e-8) << column;
       }
@@ -344,8 +347,11 @@ TEST(RepeatabilityTest, EveryInstructionSetGivesTheSameBits) {
   model.channels = 3;
   model.lights = 1;
   model.light = &light;
-  model.ambient = 0.1, model.diffuse = 0.6, model.specular = 0.4, model.shininess = 37.0;
-  model.specular_model = kernel::Specular::kPhong;
+  model.ambient = 0.1, model.diffuse = 0.6;
+  model.lobes = 2;
+  model.lobe[0] = {0, 0.4, 37.0, 1.0, 2, 3, -1};
+  model.lobe[1] = {3, 0.1, 0.2, 0.5, 6, 7, 5};
+  model.ambient_row = 0, model.diffuse_row = 1, model.roughness_row = 4, model.first_light_row = 8;
   for (double& albedo : model.albedo) albedo = 0.7;
   model.l11 = 1.2, model.l21 = 1.7, model.l22 = 0.3;
   kernel::KernelPixels pixels{};

@@ -89,16 +89,16 @@ TEST(Solver, EndsExactlyAtABoundWhereTheTruthIsBeyond) {
   EXPECT_EQ(s.stopped, Stopped::kTolerance);
   EXPECT_EQ(s.scene.reflectance.ambient, 0.0);
   EXPECT_EQ(s.scene.lights[0].inverse_distance, 0.0);
-  const Columns columns{3, 2};
-  EXPECT_GT(s.equations.gradient[columns.Ambient()], 0.0);
-  EXPECT_GT(s.equations.gradient[columns.InverseDistance(0)], 0.0);
-  EXPECT_FALSE(s.held[static_cast<std::size_t>(columns.Ambient())]);
+  const model::Parameters parameters = PlainParameters(3, 2);
+  EXPECT_GT(s.equations.gradient[parameters.Ambient()], 0.0);
+  EXPECT_GT(s.equations.gradient[parameters.InverseDistance(0)], 0.0);
+  EXPECT_FALSE(s.held[static_cast<std::size_t>(parameters.Ambient())]);
 }
 
 TEST(Solver, GaugeIsHeld) {
   const model::Scene truth = TwoLights();
   const RandomObservations random(2000, 3, 4, &truth);
-  const Columns columns{3, 2};
+  const model::Parameters parameters = PlainParameters(3, 2);
   model::Scene start = Off(truth, 5.0);
   start.lights[0].intensity = 2.0;
   start.reflectance.albedo = {0.3, 0.3, 1.1};
@@ -111,11 +111,11 @@ TEST(Solver, GaugeIsHeld) {
   const Solution diffuse = Solve(random.observations, start, options);
   EXPECT_EQ(diffuse.scene.reflectance.diffuse, start.reflectance.diffuse);
   EXPECT_NE(diffuse.scene.lights[0].intensity, 2.0);
-  for (int column = 0; column < columns.count(); ++column) {
+  for (int column = 0; column < parameters.count(); ++column) {
     const auto at = static_cast<std::size_t>(column);
-    const bool never = column == columns.Albedo(2) || column == columns.RoughnessSquared();
-    EXPECT_EQ(strongest.held[at], never || column == columns.Intensity(0)) << column;
-    EXPECT_EQ(diffuse.held[at], never || column == columns.Diffuse()) << column;
+    const bool never = column == parameters.Albedo(2) || column == parameters.Roughness();
+    EXPECT_EQ(strongest.held[at], never || column == parameters.Intensity(0)) << column;
+    EXPECT_EQ(diffuse.held[at], never || column == parameters.Diffuse()) << column;
   }
   // Either way the same scene.
   const auto reported = [&](const model::Scene& scene) {

@@ -131,7 +131,7 @@ TEST(SplitResiduals, ASmoothSurfaceIsAskedWhetherItIsRough) {
   const RandomObservations random = InViews(2, truth);
   const solve::Solution solution = solve::Solve(random.observations, truth, {});
   const ResidualSplits splits = SplitResiduals(random.observations, solution);
-  const int roughness = solve::Columns{3, 2}.RoughnessSquared();
+  const int roughness = PlainParameters(3, 2).Roughness();
   EXPECT_EQ(solution.equations.hessian(roughness, roughness), 0.0);
   EXPECT_GT(splits.alternatives.hessian(roughness, roughness), 0.0);
   EXPECT_NEAR(splits.alternatives.cost, solution.equations.cost, 1e-3 * solution.equations.cost);

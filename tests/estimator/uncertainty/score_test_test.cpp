@@ -52,9 +52,9 @@ void ExpectThoseOfTheCost(const ScoreCase& it) {
 void ExpectThatOfAColumn(const ScoreCase& it) {
   const Score score = ScoreProbe(it.pixels, it.scene, {}).Of(it.change, 1.0);
   const solve::NormalEquations with = solve::EvaluateDouble(it.pixels, it.WithThird(0.0), {});
-  const solve::Columns columns{3, 3};
-  const int column = columns.Intensity(2);
-  ASSERT_EQ(score.cross_hessian.size(), (solve::Columns{3, 2}.count()));
+  const model::Parameters parameters = PlainParameters(3, 3);
+  const int column = parameters.Intensity(2);
+  ASSERT_EQ(score.cross_hessian.size(), (PlainParameters(3, 2).count()));
   for (int k = 0; k < score.cross_hessian.size(); ++k)
     EXPECT_NEAR(score.cross_hessian[k], with.hessian(k, column),
                 1e-4 * std::sqrt(with.hessian(k, k) * with.hessian(column, column)))

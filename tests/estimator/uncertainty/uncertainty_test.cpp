@@ -98,7 +98,7 @@ TEST(EstimateUncertainty, CalibrationIsAnItemOfTheTotal) {
   const MeanProblem mean(0.001, 2, [](std::size_t) { return 0.0; });
   CalibrationResponse calibration;
   calibration.as_modelled = mean.solution.equations;
-  const Eigen::Index ambient = solve::Columns{1, 0}.Ambient();
+  const Eigen::Index ambient = PlainParameters(1, 0).Ambient();
   Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(calibration.as_modelled.gradient.size(), 1);
   gradient(ambient, 0) = 0.01 * calibration.as_modelled.hessian(ambient, ambient);
   calibration.items.push_back({{"axis", "axis of the table", "calibrate"}, gradient});
@@ -134,7 +134,8 @@ TEST(EstimateUncertainty, StatisticalSigmasAreThoseOfTheErrors) {
     distance += square(light.inverse_distance - true_light.inverse_distance,
                        stat.lights[1].inverse_distance);
     ambient += square(found.reflectance.ambient - right.reflectance.ambient, stat.ambient);
-    shininess += square(found.reflectance.lobes[0].shape - right.reflectance.lobes[0].shape, stat.lobes[0].shape);
+    shininess += square(found.reflectance.lobes[0].shape - right.reflectance.lobes[0].shape,
+                        stat.lobes[0].shape);
   }
   // Mean squares over 60 draws: 1 within four times sqrt(2 / 60), above all not far below.
   for (const double mean_square : {distance, ambient, shininess}) {

@@ -32,7 +32,7 @@ TEST(Unmodelled, ALightOfSomeExtentHasItsVariance) {
   const RandomObservations random(20 * observe::kTile, 3, 3, &split);
   solve::Solution solution;
   solution.scene = scene;
-  solution.held.assign(static_cast<std::size_t>(solve::Columns{3, 2}.count()), false);
+  solution.held.assign(static_cast<std::size_t>(PlainParameters(3, 2).count()), false);
   const Unmodelled unmodelled = TryUnmodelled(random.observations, solution);
   ASSERT_EQ(unmodelled.extents.size(), 6u);
   const Score& extent = unmodelled.extents[0];
@@ -56,7 +56,7 @@ TEST(Unmodelled, AnotherApertureIsToldByHowMuch) {
   for (std::size_t c = 0; c < pictures.size(); ++c) all.radiance[c] = pictures[c];
   solve::Solution solution;
   solution.scene = scene;
-  solution.held.assign(static_cast<std::size_t>(solve::Columns{3, 2}.count()), false);
+  solution.held.assign(static_cast<std::size_t>(PlainParameters(3, 2).count()), false);
   const Score aperture = TryUnmodelled(all, solution).aperture;
   ASSERT_GT(aperture.curvature, 0.0);
   EXPECT_NEAR(-aperture.slope / aperture.curvature, kShare - 1.0, 0.01);
@@ -69,7 +69,7 @@ TEST(Unmodelled, OneMoreLightIsAskedForWithItsIntensity) {
   const RandomObservations random(20 * observe::kTile, 3, 3, &more);
   solve::Solution solution;
   solution.scene = scene;
-  solution.held.assign(static_cast<std::size_t>(solve::Columns{3, 2}.count()), false);
+  solution.held.assign(static_cast<std::size_t>(PlainParameters(3, 2).count()), false);
   const auto light = TryUnmodelled(random.observations, solution).light;
   ASSERT_TRUE(light.has_value());
   EXPECT_NEAR(-light->slope / light->curvature, 0.02, 0.01);

@@ -33,8 +33,8 @@ MockCameraConfig Small() {
   reflectance.albedo = {0.9, 0.7, 0.5};
   reflectance.ambient = 0.1;
   reflectance.diffuse = 0.8;
-  reflectance.specular = 0.2;
-  reflectance.shininess = 20.0;
+  reflectance.lobes[0].strength = 0.2;
+  reflectance.lobes[0].shape = 20.0;
   config.scene.reflectance = reflectance;
   config.scene.sensor.black = 1000.0;
   config.scene.sensor.noise_relative = 0.002;

@@ -49,8 +49,8 @@ TEST(RandomScene, KeepsItsPromises) {
                   20.0 - 1e-9);
     }
     const estimator::model::Reflectance& r = scene->reflectance;
-    EXPECT_GE(r.shininess, 10.0);
-    EXPECT_LE(r.shininess, 100.0);
+    EXPECT_GE(r.lobes[0].shape, 10.0);
+    EXPECT_LE(r.lobes[0].shape, 100.0);
     EXPECT_GE(r.albedo.minCoeff(), 0.2);
     EXPECT_LE(r.albedo.maxCoeff(), 0.8);
   }
@@ -96,8 +96,8 @@ TEST(RandomScene, ModelsAreKept) {
   config.reflectance = random;
   const auto scene = DrawScene(config);
   ASSERT_TRUE(scene);
-  EXPECT_EQ(scene->reflectance.specular_model, estimator::model::SpecularModel::kNone);
-  EXPECT_EQ(scene->reflectance.specular, 0.0);
+  EXPECT_EQ(scene->reflectance.lobes[0].model, estimator::model::SpecularModel::kNone);
+  EXPECT_EQ(scene->reflectance.lobes[0].strength, 0.0);
   EXPECT_DOUBLE_EQ(scene->reflectance.roughness, DegToRad(20.0));
 }
 

@@ -63,7 +63,7 @@ TEST(SyntheticConfig, ReadsEveryKey) {
   EXPECT_EQ(lights[0].color, Eigen::Vector3d(1, 0.9, 0.8));
   EXPECT_FALSE(lights[1].distance);
   const auto& r = std::get<estimator::model::Reflectance>(config->reflectance);
-  EXPECT_EQ(r.specular_model, estimator::model::SpecularModel::kBlinnPhong);
+  EXPECT_EQ(r.lobes[0].model, estimator::model::SpecularModel::kBlinnPhong);
   EXPECT_DOUBLE_EQ(r.roughness, DegToRad(15.0));
   EXPECT_EQ(config->sensor.depth, SensorDepth::k8);
   EXPECT_EQ(config->sensor.Format(), FileFormat::kTiff);

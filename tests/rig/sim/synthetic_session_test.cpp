@@ -236,7 +236,7 @@ TEST(SyntheticSession, AWrittenSessionIsTheOneInMemory) {
   const auto scene = estimator::results::ParseScene(*truth, "truth.json");
   ASSERT_TRUE(scene) << scene.error().text;
   EXPECT_EQ(scene->lights[1].direction, memory.scene.lights[1].direction);
-  EXPECT_EQ(scene->reflectance.shininess, memory.scene.reflectance.shininess);
+  EXPECT_EQ(scene->reflectance.lobes[0].shape, memory.scene.reflectance.lobes[0].shape);
   const auto verified = VerifySession(folder.path() / "s");
   ASSERT_TRUE(verified) << verified.error().text;
   EXPECT_THAT(verified->problems, ElementsAre());
