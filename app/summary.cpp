@@ -58,6 +58,15 @@ std::string DistanceText(const Estimate& estimate, std::size_t i, const std::str
   return "distance unknown";
 }
 
+// Of the largest channel; nothing of a white light.
+std::string ColourText(const LightEstimate& light) {
+  if (light.light.color == Eigen::Vector3d::Ones()) return "";
+  std::string text = "   colour";
+  for (int c = 0; c < 3; ++c)
+    text += (c > 0 ? ",  " : " ") + Measure(light.light.color[c], light.colour_sigma[c]);
+  return text;
+}
+
 std::string LightText(const Estimate& estimate, std::size_t i, const std::string& unit) {
   const LightEstimate& light = estimate.lights[i];
   const Eigen::Vector3d& u = light.light.direction;
@@ -66,7 +75,8 @@ std::string LightText(const Estimate& estimate, std::size_t i, const std::string
          (has_sigma ? kPlusMinus + Format("%.2g\u00b0", RadToDeg(light.direction_sigma)) : "") +
          "   " + DistanceText(estimate, i, unit) + "   intensity " +
          MeasureOf(estimate, "lights/" + std::to_string(i) + "/intensity", light.light.intensity,
-                   light.intensity_sigma.value_or(0.0));
+                   light.intensity_sigma.value_or(0.0)) +
+         ColourText(light);
 }
 
 std::string LobesText(const Estimate& estimate) {

@@ -87,6 +87,7 @@ model::Scene Estimate::ToScene() const {
   model::Scene scene;
   scene.reflectance = reflectance;
   for (const LightEstimate& light : lights) scene.lights.push_back(light.light);
+  scene.free_colours = channels == 3 && scene.coloured();
   return scene;
 }
 

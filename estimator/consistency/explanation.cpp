@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "estimator/consistency/picture_order.h"
 #include "estimator/model/direction_lattice.h"
 
 namespace turnlight::estimator::consistency {
@@ -61,26 +62,6 @@ Eigen::VectorXf NonNegative(const Eigen::MatrixXf& gram, const Eigen::VectorXf& 
 }
 
 using Order = std::vector<std::size_t>;
-
-// The pictures of two poses change places as long as that makes the costs (pose by picture) less.
-Order Exchanged(const Eigen::MatrixXd& cost, Order picture) {
-  const auto of = [&](std::size_t pose, std::size_t view) {
-    return cost(static_cast<Eigen::Index>(pose), static_cast<Eigen::Index>(view));
-  };
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t k = 1; k < picture.size(); ++k)
-      for (std::size_t l = 0; l < k; ++l) {
-        const double now = of(k, picture[k]) + of(l, picture[l]);
-        const double then = of(k, picture[l]) + of(l, picture[k]);
-        if (then >= now - 1e-9 * std::abs(now)) continue;
-        std::swap(picture[k], picture[l]);
-        changed = true;
-      }
-  }
-  return picture;
-}
-
 }  // namespace
 
 Explainer::Explainer(const SmallViews& views, const target::Geometry& geometry,

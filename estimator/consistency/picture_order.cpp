@@ -72,4 +72,22 @@ std::vector<std::size_t> TourOfPictures(const SmallViews& views) {
   return tour;
 }
 
+std::vector<std::size_t> Exchanged(const Eigen::MatrixXd& cost, std::vector<std::size_t> picture) {
+  const auto of = [&](std::size_t pose, std::size_t view) {
+    return cost(static_cast<Eigen::Index>(pose), static_cast<Eigen::Index>(view));
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t k = 1; k < picture.size(); ++k)
+      for (std::size_t l = 0; l < k; ++l) {
+        const double now = of(k, picture[k]) + of(l, picture[l]);
+        const double then = of(k, picture[l]) + of(l, picture[k]);
+        if (then >= now - 1e-9 * std::abs(now)) continue;
+        std::swap(picture[k], picture[l]);
+        changed = true;
+      }
+  }
+  return picture;
+}
+
 }  // namespace turnlight::estimator::consistency

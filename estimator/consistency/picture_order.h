@@ -2,6 +2,7 @@
 // alike.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -15,5 +16,8 @@ namespace turnlight::estimator::consistency {
 // pictures; of more nothing is returned.
 inline constexpr std::size_t kMostOrdered = 400;
 std::vector<std::size_t> TourOfPictures(const SmallViews& views);
+
+// The pictures of two poses change places as long as that makes the costs (pose by picture) less.
+std::vector<std::size_t> Exchanged(const Eigen::MatrixXd& cost, std::vector<std::size_t> picture);
 
 }  // namespace turnlight::estimator::consistency

@@ -53,10 +53,10 @@ void Try(Trial& trial, const char* code, const std::string& words, const char* q
       {code, words, question, std::move(poses), trial.in_order, left, trial.found.size()});
 }
 
-Poses Scaled(const Trial& trial, const Turning& turning, double factor) {
+Poses Scaled(const Poses& given, const Turning& turning, double factor) {
   Poses out;
-  for (std::size_t k = 0; k < trial.given.size(); ++k)
-    out.push_back(Turned(turning, trial.given[k], (factor - 1.0) * turning.angle[k]));
+  for (std::size_t k = 0; k < given.size(); ++k)
+    out.push_back(Turned(turning, given[k], (factor - 1.0) * turning.angle[k]));
   return out;
 }
 
@@ -86,7 +86,9 @@ Best Refined(Best best, double step, double finest, const std::function<double(d
 
 // A coarse grid, and a fine one about 1 and about the best.
 void TryFactors(Trial& trial, const Turning& turning) {
-  const auto left = [&](double factor) { return LeftBy(trial, Scaled(trial, turning, factor)); };
+  const auto left = [&](double factor) {
+    return LeftBy(trial, Scaled(trial.given, turning, factor));
+  };
   std::vector<double> coarse, fine;
   for (const double factor : {1.0 / 3.0, 0.5, 2.0 / 3.0, 0.75, 0.8, 1.25, 4.0 / 3.0, 1.5, 2.0, 3.0})
     coarse.push_back(factor);
@@ -96,13 +98,13 @@ void TryFactors(Trial& trial, const Turning& turning) {
   const Best near = BestOf(fine, left);
   if (near.left < best.left) best = near;
   best = Refined(best, near.at == best.at ? 0.01 : 0.03, 5e-4, left);
-  Try(trial, "angle-factor", Format("with the angles times %.3g", best.at),
-      "check the angle that the table turns per step.", Scaled(trial, turning, best.at));
+  trial.found.push_back(ChangeOfFactor(trial.views, trial.given, turning, best.at, left(best.at)));
+  trial.found.back().place = trial.found.size() - 1;
 }
 
 void TryAngles(Trial& trial, const Turning& turning) {
   Try(trial, "angles-reversed", "with the angles reversed", "is the table's direction wrong?",
-      Scaled(trial, turning, -1.0));
+      Scaled(trial.given, turning, -1.0));
   TryFactors(trial, turning);
 }
 
@@ -189,10 +191,9 @@ void AddOrder(Trial& trial, const Design& design, Order picture) {
       std::any_of(trial.found.begin(), trial.found.end(),
                   [&](const PoseChange& change) { return change.picture == picture; }))
     return;
-  const OrderWords words = WordsOf(trial.views, picture);
   const double left = trial.explainer.Residual(design, picture);
-  trial.found.push_back({words.code, words.words, words.question, trial.given, std::move(picture),
-                         left, trial.found.size()});
+  trial.found.push_back(ChangeOfOrder(trial.views, trial.given, std::move(picture), left));
+  trial.found.back().place = trial.found.size() - 1;
 }
 
 // Every way in which a tour of the pictures can lie on the angles.
@@ -329,6 +330,23 @@ void TryPlace(Trial& trial) {
 }
 
 }  // namespace
+
+PoseChange ChangeOfFactor(const SmallViews& views, const std::vector<RigPoses>& poses,
+                          const Turning& turning, double factor, double left) {
+  return {"angle-factor",
+          Format("with the angles times %.3g", factor),
+          "check the angle that the table turns per step.",
+          Scaled(poses, turning, factor),
+          InOrder(views),
+          left,
+          0};
+}
+
+PoseChange ChangeOfOrder(const SmallViews& views, std::vector<RigPoses> poses, Order picture,
+                         double left) {
+  const OrderWords words = WordsOf(views, picture);
+  return {words.code, words.words, words.question, std::move(poses), std::move(picture), left, 0};
+}
 
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
                                     const Explainer& explainer,

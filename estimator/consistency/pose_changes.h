@@ -23,6 +23,14 @@ struct PoseChange {
   std::size_t place = 0;  // among those that were tried: simple ones first
 };
 
+// The pictures in another order, in words; left as above.
+PoseChange ChangeOfOrder(const SmallViews& views, std::vector<calib::RigPoses> poses,
+                         std::vector<std::size_t> picture, double left);
+
+// All angles times a factor, about the axis that they turn about; left as above.
+PoseChange ChangeOfFactor(const SmallViews& views, const std::vector<calib::RigPoses>& poses,
+                          const Turning& turning, double factor, double left);
+
 // Those of `changes` one after another: each is tried by the explainer, and of each kind what
 // explains the pictures best comes back, best first. angles as
 // FindTurning takes them.

@@ -29,7 +29,8 @@ struct Consistency {
   double rms = 0.0;                // what a fit with the poses as they are leaves of those frames
   double left = 0.0;               // and some lights (Explainer)
   std::vector<TriedChange> tried;  // best first; empty if the frames alone explain what is wrong
-  // What explains the pictures: at most half of the residual is left, of what is seen not less.
+  // What explains the pictures: at most half of the residual is left, of what is seen not less, or
+  // the outlines fit.
   std::optional<TriedChange> change;
   // Other changes that the pictures cannot tell from it, as words.
   std::vector<std::string> alike;

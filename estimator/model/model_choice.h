@@ -11,7 +11,8 @@ struct ModelChoice {
   std::optional<int> lights;  // 1 to 32
   std::optional<DiffuseModel> diffuse;
   std::optional<SpecularModel> specular;
-  std::optional<bool> near;  // all lights near, or all distant
+  std::optional<bool> near;      // all lights near, or all distant
+  std::optional<bool> coloured;  // lights of their own colours, or all white
 };
 
 }  // namespace turnlight::estimator::model

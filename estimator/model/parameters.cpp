@@ -34,6 +34,8 @@ constexpr Row kTable[] = {
     {ParameterKind::kTangent, "direction", Chart::kTangent, -kInfinity, kInfinity, 0.3},
     {ParameterKind::kInverseDistance, "distance", Chart::kLinear, 0.0, kMaxInverseDistance, 0.1},
     {ParameterKind::kColour, "colour", Chart::kLinear, 0.0, kInfinity, kInfinity},
+    {ParameterKind::kAmbientColour, "ambient colour", Chart::kLinear, 0.0, kInfinity, kInfinity},
+    {ParameterKind::kSpecularColour, "specular colour", Chart::kLinear, 0.0, kInfinity, kInfinity},
 };
 
 const Row& RowOf(ParameterKind kind) { return kTable[static_cast<std::size_t>(kind)]; }
@@ -69,6 +71,10 @@ double* At(const Parameter& parameter, Scene& scene) {
       return &scene.lights[owner].inverse_distance;
     case ParameterKind::kColour:
       return &scene.lights[owner].color[parameter.part];
+    case ParameterKind::kAmbientColour:
+      return &r.ambient_colour[parameter.owner];
+    case ParameterKind::kSpecularColour:
+      return &r.specular_colour[parameter.owner];
     case ParameterKind::kTangent:
       break;
   }
@@ -138,9 +144,11 @@ Parameters::Parameters(const Scene& scene, int channels)
   for (int l = 0; l < lights_; ++l)
     list_.insert(list_.end(),
                  {{kIntensity, l}, {kTangent, l, 0}, {kTangent, l, 1}, {kInverseDistance, l}});
-  if (!scene.free_colours) return;
+  if (!scene.free_colours || channels == 1) return;
   for (int l = 0; l < lights_; ++l)
     for (int c = 0; c < channels; ++c) list_.push_back({kColour, l, c});
+  for (int c = 0; c < channels; ++c) list_.push_back({kAmbientColour, c});
+  for (int c = 0; c < channels && lobes[0].present(); ++c) list_.push_back({kSpecularColour, c});
 }
 
 int Parameters::Find(ParameterKind kind, int owner, int part) const {

@@ -24,6 +24,8 @@ enum class ParameterKind {
   kTangent,    // of a light's direction along one axis of TangentBasis(u)
   kInverseDistance,  // rho of a light, in units of 1/R
   kColour,           // of a light in a channel
+  kAmbientColour,    // in a channel
+  kSpecularColour,   // in a channel
 };
 
 struct Parameter {
@@ -68,6 +70,8 @@ class Parameters {
   int Intensity(int light) const { return Find(ParameterKind::kIntensity, light); }
   int Tangent(int light) const { return Find(ParameterKind::kTangent, light); }  // and the next
   int InverseDistance(int light) const { return Find(ParameterKind::kInverseDistance, light); }
+  int AmbientColour(int channel) const { return Find(ParameterKind::kAmbientColour, channel); }
+  int SpecularColour(int channel) const { return Find(ParameterKind::kSpecularColour, channel); }
   int Colour(int light, int channel) const { return Find(ParameterKind::kColour, light, channel); }
 
  private:

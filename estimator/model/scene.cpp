@@ -23,6 +23,13 @@ Light Recentred(const Light& light, const Eigen::Vector3d& new_origin) {
   return result;
 }
 
+bool Scene::coloured() const {
+  const Eigen::Vector3d white = Eigen::Vector3d::Ones();
+  return reflectance.ambient_colour != white || reflectance.specular_colour != white ||
+         std::any_of(lights.begin(), lights.end(),
+                     [&](const Light& light) { return light.color != white; });
+}
+
 const reflectance::LobeFacts& FactsOf(SpecularModel model) {
   const reflectance::LobeFacts* facts = &reflectance::Phong::kFacts;
   reflectance::Lobes::Visit(static_cast<int>(model) - 1,
@@ -147,9 +154,9 @@ Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
     for (std::size_t k = 0; k < kMostLobes && r.lobes[k].present(); ++k)
       specular[k] += irradiance * SpecularTerm(r.lobes[k], normal_W, unit, to_viewer_W);
   }
-  Eigen::Vector3d sum =
-      r.albedo.cwiseProduct(Eigen::Vector3d::Constant(r.ambient) + r.diffuse * diffuse);
-  for (std::size_t k = 0; k < kMostLobes; ++k) sum += r.lobes[k].strength * specular[k];
+  Eigen::Vector3d sum = r.albedo.cwiseProduct(r.ambient * r.ambient_colour + r.diffuse * diffuse);
+  for (std::size_t k = 0; k < kMostLobes; ++k)
+    sum += r.lobes[k].strength * r.specular_colour.cwiseProduct(specular[k]);
   return sum;
 }
 

@@ -1,7 +1,8 @@
 // The scene model (design, section 3): lights, reflectance, and what they make a surface point look
 // like. Plain values.
 //
-//   S_c(x) = O_c * ( k_a + k_d * sum_l I_l a_l(x) f_d ) + sum_k k_s,k * sum_l I_l a_l(x) f_s,k,
+//   S_c(x) = O_c * ( k_a A_c + k_d * sum_l I_l C_lc a_l(x) f_d )
+//          + s_c * sum_k k_s,k * sum_l I_l C_lc a_l(x) f_s,k,
 //   l ~ u_l - rho_l x,   a_l(x) = 1 / |u_l - rho_l x|^2
 //
 // x is relative to W's origin, in the session's length unit.
@@ -30,6 +31,9 @@ struct Light {
     return direction - inverse_distance * x;
   }
 };
+
+// Irradiance at W's origin, mean of the channels.
+inline double Strength(const Light& light) { return light.intensity * light.color.mean(); }
 
 // The same light seen from a new origin (given in the old coordinates):
 // U = u - rho c, s = |U|, u' = U / s, rho' = rho / s, I' = I / s^2.
@@ -60,6 +64,10 @@ struct Reflectance {
   double diffuse = 1.0;                              // k_d
   DiffuseModel diffuse_model = DiffuseModel::kLambert;
   double roughness = 0.0;  // Oren-Nayar's sigma, radians of facet slope; 0 is Lambert
+  // Of the ambient light and of what the lobes reflect, R G B, the largest 1: white unless lights
+  // are coloured.
+  Eigen::Vector3d ambient_colour = Eigen::Vector3d::Ones();
+  Eigen::Vector3d specular_colour = Eigen::Vector3d::Ones();
   // The second is there only beside the first.
   std::array<Lobe, kMostLobes> lobes{Lobe{SpecularModel::kPhong}, Lobe{}};
 };
@@ -67,8 +75,13 @@ struct Reflectance {
 struct Scene {
   std::vector<Light> lights;
   Reflectance reflectance;
-  // For a fit: the lights' colours are unknowns; else all are as they stand.
+  // For a fit: the colours of lights, ambient light and highlights are unknowns; else all are as
+  // they stand. Pictures tell them up to one colour, which the strongest light is said to have:
+  // white (see uncertainty/reported.h).
   bool free_colours = false;
+
+  // Whether any colour but the albedo is not white.
+  bool coloured() const;
 };
 
 // f_d of the diffuse model for unit vectors; 0 where the light is below the surface.

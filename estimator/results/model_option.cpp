@@ -28,9 +28,11 @@ Status Choose(const std::string& option, const std::string& word, std::optional<
   return {};
 }
 
-Status ChooseNear(const std::string& option, const std::string& word, std::optional<bool>& out) {
-  if (word != "near" && word != "distant") return NoSuchWord(option, word, {"near", "distant"});
-  out = word == "near";
+// The first word is true.
+Status ChooseOf(const std::string& option, const std::string& word,
+                const std::vector<std::string>& words, std::optional<bool>& out) {
+  if (word != words[0] && word != words[1]) return NoSuchWord(option, word, words);
+  out = word == words[0];
   return {};
 }
 
@@ -54,7 +56,8 @@ std::string ModelOptionHelp() {
   };
   return "lights=N (1 to " + std::to_string(kMostLights) +
          "), diffuse=" + list(AllWords<model::DiffuseModel>()) +
-         ", specular=" + list(AllWords<model::SpecularModel>()) + ", lights-are=near|distant";
+         ", specular=" + list(AllWords<model::SpecularModel>()) +
+         ", lights-are=near|distant, color=free|white";
 }
 
 Status ApplyModelOption(const std::string& option, ModelChoice& choice) {
@@ -64,8 +67,9 @@ Status ApplyModelOption(const std::string& option, ModelChoice& choice) {
   if (key == "lights") return ChooseCount(option, word, choice.lights);
   if (key == "diffuse") return Choose(option, word, choice.diffuse);
   if (key == "specular") return Choose(option, word, choice.specular);
-  if (key == "lights-are") return ChooseNear(option, word, choice.near);
-  const std::vector<std::string> keys = {"lights", "diffuse", "specular", "lights-are"};
+  if (key == "lights-are") return ChooseOf(option, word, {"near", "distant"}, choice.near);
+  if (key == "color") return ChooseOf(option, word, {"free", "white"}, choice.coloured);
+  const std::vector<std::string> keys = {"lights", "diffuse", "specular", "lights-are", "color"};
   return InputError("--model " + option + ": unknown key \"" + key + "\"" + DidYouMean(key, keys) +
                     ", allowed are " + Listed(keys));
 }

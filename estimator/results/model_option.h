@@ -9,8 +9,11 @@
 namespace turnlight::estimator::results {
 
 // "key=value" with one of
-//   lights=1..32  diffuse=lambert|oren-nayar  specular=none|phong|blinn-phong
+//   lights=1..32
+//   diffuse=lambert|oren-nayar|coated
+//   specular=none|phong|blinn-phong|beckmann|ggx
 //   lights-are=near|distant
+//   color=free|white  whether lights have colours of their own
 // Fails (kInput) on an unknown key or value, naming the nearest or what is allowed.
 Status ApplyModelOption(const std::string& option, model::ModelChoice& choice);
 

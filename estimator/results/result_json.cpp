@@ -151,7 +151,11 @@ ordered_json LightToJson(const LightEstimate& estimate, const uncertainty::Light
   json["direction_at_reference"] = ToJson(estimate.direction_at_reference);
   json["intensity"] = ToJson(estimate.light.intensity);
   json["intensity_sigma"] = ToJson(estimate.intensity_sigma);
-  if (estimate.light.color != Eigen::Vector3d::Ones()) json["color"] = ToJson(estimate.light.color);
+  const bool coloured = estimate.light.color != Eigen::Vector3d::Ones();
+  if (coloured) {
+    json["color"] = ToJson(estimate.light.color);
+    json["color_sigma"] = ToJson(estimate.colour_sigma);
+  }
   if (stat == nullptr) return json;
   // The statistical part of the sigmas above.
   json["stat"] = ordered_json{
@@ -160,6 +164,7 @@ ordered_json LightToJson(const LightEstimate& estimate, const uncertainty::Light
       {"distance_sigma", estimate.distance ? ToJson(stat->distance) : ordered_json(nullptr)},
       {"intensity_sigma",
        estimate.intensity_sigma ? ToJson(stat->intensity) : ordered_json(nullptr)}};
+  if (coloured) json["stat"]["color_sigma"] = ToJson(stat->colour);
   return json;
 }
 
@@ -233,6 +238,11 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
   if (HasLobe(estimate))
     json["lobe"] = ordered_json{{"peak", ToJson(model::LobePeak(reflectance.lobes[0]))},
                                 {"fwhm_deg", ToJson(LobeWidthDeg(reflectance.lobes[0]))}};
+  const Eigen::Vector3d white = Eigen::Vector3d::Ones();
+  if (reflectance.ambient_colour != white)
+    json["ambient_color"] = ToJson(reflectance.ambient_colour);
+  if (reflectance.specular_colour != white && HasLobe(estimate))
+    json["specular_color"] = ToJson(reflectance.specular_colour);
   if (NeedsLobeList(reflectance)) json["lobes"] = LobesToJson(estimate);
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
   const uncertainty::Uncertainty& stat = estimate.stat;

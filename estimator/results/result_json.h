@@ -29,7 +29,7 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
                          const RunTimes& times);
 
 // The full width at half maximum of the highlight in degrees, in the angle between the mirror
-// direction and the viewer. Blinn-Phong's half-angle is half of that angle, hence twice as wide.
+// direction and the viewer. About the normal a lobe turns half as fast, hence it is twice as wide.
 double LobeWidthDeg(const model::Lobe& lobe);
 
 }  // namespace turnlight::estimator::results

@@ -199,6 +199,13 @@ std::array<Lobe, model::kMostLobes> LobesOf(StrictObject& object, SpecularModel 
   return lobes;
 }
 
+void ReadColours(StrictObject& object, Reflectance& reflectance) {
+  if (const auto colour = object.OptionalNumbers("ambient_color", 3, {.min = 0.0}))
+    reflectance.ambient_colour = ToVector(*colour);
+  if (const auto colour = object.OptionalNumbers("specular_color", 3, {.min = 0.0}))
+    reflectance.specular_colour = ToVector(*colour);
+}
+
 double RoughnessOf(StrictObject& object, DiffuseModel model) {
   const Range range{.min = 0.0, .max = 90.0};
   if (model == DiffuseModel::kOrenNayar) return DegToRad(object.Number("roughness_deg", range));
@@ -244,6 +251,7 @@ Result<std::optional<Reflectance>> ReadResultReflectance(StrictObject object, St
   reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
   reflectance.lobes = LobesOf(object, first, true);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
+  ReadColours(object, reflectance);
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
   return std::optional(reflectance);
@@ -325,6 +333,7 @@ Reflectance ReadReflectance(StrictObject& object) {
   reflectance.diffuse_model =
       ReadOptionalWord<DiffuseModel>(object, "diffuse_model").value_or(DiffuseModel::kLambert);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
+  ReadColours(object, reflectance);
   return reflectance;
 }
 
@@ -369,6 +378,9 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   const bool listed = NeedsLobeList(r);
   out["shininess"] = first.present() && !listed ? nlohmann::ordered_json(first.shape) : nullptr;
   if (listed) out["lobes"] = LobeList(r);
+  const Eigen::Vector3d white = Eigen::Vector3d::Ones();
+  if (r.ambient_colour != white) out["ambient_color"] = VectorToJson(r.ambient_colour);
+  if (r.specular_colour != white) out["specular_color"] = VectorToJson(r.specular_colour);
   if (r.diffuse_model != DiffuseModel::kLambert) out["diffuse_model"] = WordOf(r.diffuse_model);
   if (model::FactsOf(r.diffuse_model).has_shape) out["roughness_deg"] = RadToDeg(r.roughness);
   if (!note.empty()) json["note"] = note;

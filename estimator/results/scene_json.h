@@ -10,9 +10,12 @@
 //                    "roughness_deg": 20},
 //    "note": "..."}
 // `color`, `inverse_distance`, `diffuse_model`, `roughness_deg` and `note` are optional, and keys
-// that begin with "x-" are free. `model` is "phong", "blinn-phong", or "lambert" or "none" for no
-// specular part, in which case (or with `specular` 0) `shininess` may be left out or null. A
-// direction need not be exactly unit. People write this file: a key that is not listed is refused.
+// that begin with "x-" are free. `model` is "phong", "blinn-phong", "beckmann", "ggx", or "lambert"
+// or "none" for no specular part, in which case (or with `specular` 0) `shininess` may be left out
+// or null. "beckmann" and "ggx" have "alpha" in its place, and "f0" (0 to 1; left out: F = 1). All
+// lobes, one or two, may stand in "lobes": [{"model", "specular", "shininess" or "alpha", "f0"}]
+// instead. "ambient_color" and "specular_color" are optional. A direction need not be exactly unit.
+// People write this file: a key that is not listed is refused.
 //
 // Of a result.json only lights, model and reflectance are read, and keys that are not known are
 // passed over: the rule is in result_json.h.

@@ -16,6 +16,7 @@ namespace {
 constexpr double kMinSpecularPeak = 0.003;    // of white
 constexpr double kMinInverseDistance = 5e-4;  // rho R
 constexpr double kSignificance = 3.0;
+constexpr double kMinColour = 0.005;
 constexpr double kFirstF0 = 0.5, kKnownF0 = 0.2;
 constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
 constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
@@ -122,11 +123,10 @@ void ChooseFresnel(const observe::Observations& observations, Refined& out,
   if (StopRequested(out.options.stop)) return;
   out.splits = uncertainty::SplitResiduals(observations, out.solution);
   const auto order = uncertainty::StrengthOrder(out.solution.scene, observations);
-  const double sigma =
-      uncertainty::EstimateUncertainty(out.solution, observations, order, out.views_per_distinct,
-                                       out.splits)
-          .total.lobes[0]
-          .f0;
+  const double sigma = uncertainty::EstimateUncertainty(out.solution, observations, order,
+                                                        out.views_per_distinct, out.splits)
+                           .total.lobes[0]
+                           .f0;
   const double f0 = out.solution.scene.reflectance.lobes[0].f0;
   const bool told = std::isfinite(sigma) && sigma < kKnownF0 && 1.0 - f0 > kSignificance * sigma;
   ladder.push_back({"fresnel", told,
@@ -134,6 +134,50 @@ void ChooseFresnel(const observe::Observations& observations, Refined& out,
                            "sigma is below %.2g",
                            f0, sigma, kKnownF0)});
   if (!told) out = held;
+}
+
+// A light is coloured if a channel of its colour is off white, or off the strongest light's, by
+// more than its sigma allows; none is: all are white.
+void ChooseColours(const observe::Observations& observations, const model::ModelChoice& choice,
+                   Refined& out, std::vector<model::Rung>& ladder) {
+  model::Scene& scene = out.solution.scene;
+  if (!scene.free_colours || choice.coloured) return;
+  const auto order = uncertainty::StrengthOrder(scene, observations);
+  const uncertainty::Uncertainty sigma =
+      uncertainty::EstimateUncertainty(out.solution, observations, order, out.views_per_distinct,
+                                       out.splits)
+          .total;
+  const uncertainty::Reported reported = uncertainty::Report(scene, observations, order);
+  out.options.white.assign(order.size(), true);
+  bool any = false;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    double most = 0.0, sigmas = 0.0;
+    for (int c = 0; c < 3; ++c) {
+      const double off = 1.0 - reported.lights[i].light.color[c];
+      const double own = sigma.lights[i].colour[c];
+      most = std::max(most, off);
+      if (off > 0.0 && std::isfinite(own)) sigmas = std::max(sigmas, off / std::max(own, 1e-12));
+    }
+    const bool coloured = most > kMinColour && sigmas > kSignificance;
+    any = any || coloured;
+    out.options.white[order[i]] = !coloured;
+    ladder.push_back({"colour of light " + std::to_string(order[i] + 1), coloured,
+                      Format("a channel is %.3g below the largest, %.3g sigma; it counts from %.2g "
+                             "and 3 sigma",
+                             most, sigmas, kMinColour)});
+  }
+  const auto gauge = scene.lights[order.empty() ? 0 : order[0]].color;
+  for (std::size_t l = 0; l < scene.lights.size(); ++l)
+    if (out.options.white[l]) scene.lights[l].color = any ? gauge : Eigen::Vector3d::Ones();
+  if (!any) {
+    scene.free_colours = false;
+    scene.reflectance.ambient_colour.setOnes();
+    scene.reflectance.specular_colour.setOnes();
+    out.options.white.clear();
+  }
+  SolveOn(observations, out);
+  if (StopRequested(out.options.stop)) return;
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
 }
 
 // A light is near if its inverse distance about the reference, in 1/R, says so.
@@ -196,6 +240,8 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
     ladder.push_back({"specular", *choice.specular != model::SpecularModel::kNone, "as asked for"});
   else
     ChooseSpecular(observations, out, ladder);
+  if (StopRequested(stop)) return out;
+  ChooseColours(observations, choice, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseFresnel(observations, out, ladder);
   if (StopRequested(stop)) return out;

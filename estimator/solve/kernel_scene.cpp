@@ -122,6 +122,10 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
     square += albedo * albedo;
   }
   FillReflectance(r, model::Parameters(scene, model.channels), model);
+  if (!all) {
+    model.ambient *= r.ambient_colour[channel];
+    for (int k = 0; k < model.lobes; ++k) model.lobe[k].strength *= r.specular_colour[channel];
+  }
   model.huber = options.huber;
   model.weighted = !observations.weight.empty();
   model.gradient_only = options.gradient_only;
@@ -133,11 +137,7 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
 }
 
 std::vector<int> ChannelsOf(const model::Scene& scene, int channels) {
-  const bool coloured =
-      scene.free_colours ||
-      std::any_of(scene.lights.begin(), scene.lights.end(),
-                  [](const model::Light& light) { return light.color != Eigen::Vector3d::Ones(); });
-  if (!coloured || channels == 1) return {kAllChannels};
+  if (!(scene.free_colours || scene.coloured()) || channels == 1) return {kAllChannels};
   std::vector<int> list;
   for (int c = 0; c < channels; ++c) list.push_back(c);
   return list;

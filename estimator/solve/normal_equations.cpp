@@ -53,8 +53,8 @@ NormalEquations Assemble(const KernelModel& model, const KernelSums& sums) {
   return out;
 }
 
-// What one channel's columns are of the scene's: each parameter moves a light's strength there, its
-// intensity times its colour, as the chain rule says.
+// What one channel's columns are of the scene's, by the chain rule: what the channel takes for the
+// strength of a light, of ambient light or of a lobe is that strength times a colour.
 Eigen::MatrixXd MapOf(const model::Scene& scene, const model::Parameters& parameters, int rows,
                       int channel) {
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(1 + rows, parameters.count());
@@ -66,6 +66,17 @@ Eigen::MatrixXd MapOf(const model::Scene& scene, const model::Parameters& parame
     map(row, parameters.Intensity(l)) = light.color[channel];
     if (const int colour = parameters.Colour(l, channel); colour >= 0)
       map(row, colour) = light.intensity;
+  }
+  const model::Reflectance& r = scene.reflectance;
+  const auto row = [&](int column) { return 1 + column - parameters.channels(); };
+  map(row(parameters.Ambient()), parameters.Ambient()) = r.ambient_colour[channel];
+  if (const int colour = parameters.AmbientColour(channel); colour >= 0)
+    map(row(parameters.Ambient()), colour) = r.ambient;
+  for (int k = 0; k < parameters.lobes(); ++k) {
+    const int strength = parameters.Strength(k);
+    map(row(strength), strength) = r.specular_colour[channel];
+    if (const int colour = parameters.SpecularColour(channel); colour >= 0)
+      map(row(strength), colour) = r.lobes[static_cast<std::size_t>(k)].strength;
   }
   return map;
 }

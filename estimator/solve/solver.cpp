@@ -17,7 +17,7 @@ constexpr double kRounding = 1e-10;    // of the cost: what its sums in single p
 
 std::size_t Strongest(const std::vector<model::Light>& lights) {
   const auto weaker = [](const model::Light& a, const model::Light& b) {
-    return a.intensity < b.intensity;
+    return model::Strength(a) < model::Strength(b);
   };
   return static_cast<std::size_t>(std::max_element(lights.begin(), lights.end(), weaker) -
                                   lights.begin());
@@ -32,6 +32,11 @@ struct Limits {
 // Whether a parameter that the scene has is held: by the gauge, the models or the options.
 bool Held(const model::Parameter& parameter, const model::Scene& start, int gauge_channel,
           const SolveOptions& options) {
+  const auto largest = [](const Eigen::Vector3d& colour) {
+    int channel = 0;
+    colour.maxCoeff(&channel);
+    return channel;
+  };
   using enum model::ParameterKind;
   const auto owner = static_cast<std::size_t>(parameter.owner);
   const model::Reflectance& r = start.reflectance;
@@ -53,8 +58,15 @@ bool Held(const model::Parameter& parameter, const model::Scene& start, int gaug
       return !options.free_directions;
     case kInverseDistance:
       return !options.fixed_distance.empty() && options.fixed_distance[owner];
-    case kAmbient:
     case kColour:
+      // The strongest light's is the gauge; the others' have a strength beside them.
+      return owner == Strongest(start.lights) || (!options.white.empty() && options.white[owner]) ||
+             parameter.part == largest(start.lights[owner].color);
+    case kAmbientColour:
+      return parameter.owner == largest(r.ambient_colour);
+    case kSpecularColour:
+      return parameter.owner == largest(r.specular_colour);
+    case kAmbient:
       break;
   }
   return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/format.h"
 #include "estimator/model/direction_lattice.h"
@@ -20,6 +21,7 @@ constexpr std::size_t kMaxClusters = 12;
 constexpr int kLatticeLights = 24;
 constexpr double kRatioPerLight = 3.0;
 constexpr double kRoughRatio = 1.25, kLobeRatio = 1.25, kCoatRatio = 1.25;
+constexpr double kColourRatio = 3.0;
 constexpr double kFirstRoughness = 0.3;  // radians
 
 Eigen::Vector3d MeanNormal(const observe::Observations& all) {
@@ -61,9 +63,12 @@ bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
     if (off_a != off_b) return off_a < off_b;
   }
   const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
+  const double coloured = (a.scene.free_colours ? 1.0 : 0.0) - (b.scene.free_colours ? 1.0 : 0.0);
   const int more = count(a) - count(b);
   const int worth = rough == 0.0 ? std::clamp(more, -1, 1) : more;
-  return a.excess * std::pow(kRatioPerLight, worth) * std::pow(kRoughRatio, rough) < b.excess;
+  return a.excess * std::pow(kRatioPerLight, worth) * std::pow(kRoughRatio, rough) *
+             std::pow(kColourRatio, coloured) <
+         b.excess;
 }
 
 // The candidates so far, and what became of each.
@@ -72,6 +77,7 @@ struct Search {
   Candidate best, lowest;  // by Better and by the excess variance
   std::string winner, tried;
   bool done = false;
+  bool colours = false;  // of the lights are free
 
   // Returns the excess variance that the start led to.
   double Try(const char* from, const std::vector<Eigen::Vector3d>& directions,
@@ -81,13 +87,15 @@ struct Search {
   double Try(const char* from, model::Scene scene, model::DiffuseModel diffuse) {
     Candidate start;
     start.scene = std::move(scene);
+    start.scene.free_colours = colours;
     start = WithDiffuse(std::move(start), diffuse);
     start =
         WithLobe(std::move(start), sample.choice.specular.value_or(model::SpecularModel::kPhong));
     Candidate found = AddMissingLights(sample, Eliminate(sample, FitAndMerge(sample, start.scene)));
     const double excess = found.excess;
     if (winner.empty() || excess < lowest.excess) lowest = found;
-    const std::string name = std::string(from) + " with " + Name(diffuse);
+    const std::string name =
+        std::string(from) + " with " + Name(diffuse) + (colours ? " and colours of their own" : "");
     tried += (tried.empty() ? "" : "; ") + name +
              Format(" lead to %zu lights with an excess variance of %.3g",
                     found.scene.lights.size(), excess);
@@ -110,6 +118,8 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
   const auto lattice = model::HemisphereDirections(kLatticeLights, MeanNormal(sample.pixels));
   Search search{sample, {}, {}, {}, {}};
+  const bool grey = sample.pixels.channels == 1;
+  search.colours = sample.choice.coloured.value_or(false) && !grey;
   model::DiffuseModel diffuse = sample.choice.diffuse.value_or(model::DiffuseModel::kLambert);
   const double first = search.Try("the intensity map's clusters", directions, diffuse);
   if (!search.done && !sample.choice.diffuse) {
@@ -123,6 +133,11 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
     search.Try(
         "the lights of the least of these", search.lowest.scene,
         Rough(search.lowest) ? model::DiffuseModel::kLambert : model::DiffuseModel::kOrenNayar);
+  if (!search.done && !sample.choice.coloured && !grey) {
+    search.colours = true;
+    search.Try("the clusters", directions, diffuse);
+    if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
+  }
   ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
   if (sample.choice.lights)
     ladder.push_back({"lights",
@@ -161,52 +176,91 @@ Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
   return accepted ? rough : smooth;
 }
 
-Candidate ChooseLobe(const Sample& sample, const Candidate& candidate,
-                     std::vector<model::Rung>& ladder) {
+namespace {
+
+// A surface that was tried: a lobe, and whether the diffuse part lies under a coat.
+struct Surface {
+  model::SpecularModel lobe;
+  bool coated;
+  Candidate fitted;
+
+  // Phong without a coat is the simplest; each other thing must make the excess 1.25 times smaller.
+  double Price() const {
+    return fitted.excess * (lobe == model::SpecularModel::kPhong ? 1.0 : kLobeRatio) *
+           (coated ? kCoatRatio : 1.0);
+  }
+};
+
+// The least excess of those that a condition chooses.
+template <typename Condition>
+double LeastExcess(const std::vector<Surface>& surfaces, const Condition& condition) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Surface& surface : surfaces)
+    if (condition(surface)) least = std::min(least, surface.fitted.excess);
+  return least;
+}
+
+void TellSurfaces(const std::vector<Surface>& surfaces, const Surface& taken,
+                  std::vector<model::Rung>& ladder) {
+  const auto of_lobe = [&](model::SpecularModel lobe) {
+    return LeastExcess(surfaces, [&](const Surface& surface) { return surface.lobe == lobe; });
+  };
+  const double phong = of_lobe(model::SpecularModel::kPhong);
+  for (int number = 1; number < model::reflectance::Lobes::kCount; ++number) {
+    const auto lobe = static_cast<model::SpecularModel>(number + 1);
+    const reflectance::LobeFacts& facts = model::FactsOf(lobe);
+    ladder.push_back(
+        {facts.word, taken.lobe == lobe,
+         Format("excess variance %.3g with Phong, %.3g with %s; it counts from a ratio of %.2f",
+                phong, of_lobe(lobe), facts.name, kLobeRatio)});
+  }
+  const auto under = [&](bool coated) {
+    return LeastExcess(surfaces, [&](const Surface& surface) { return surface.coated == coated; });
+  };
+  if (!std::isfinite(under(true))) return;
+  ladder.push_back({model::FactsOf(model::DiffuseModel::kCoated).word, taken.coated,
+                    Format("excess variance %.3g without a coat over the diffuse part, %.3g with "
+                           "one; it counts from a ratio of %.2f",
+                           under(false), under(true), kCoatRatio)});
+}
+
+}  // namespace
+
+Candidate ChooseLobeAndCoat(const Sample& sample, const Candidate& candidate,
+                            std::vector<model::Rung>& ladder) {
   const std::string first = model::FactsOf(model::SpecularModel::kBlinnPhong).word;
   if (sample.choice.specular) {
     const model::SpecularModel asked = *sample.choice.specular;
-    const bool plain = asked == model::SpecularModel::kNone || asked == model::SpecularModel::kPhong;
+    const bool plain =
+        asked == model::SpecularModel::kNone || asked == model::SpecularModel::kPhong;
     ladder.push_back({plain ? first : model::FactsOf(asked).word, !plain, "as asked for"});
-    return candidate;
-  }
-  if (NothingLeft(candidate.excess, sample)) {
+  } else if (NothingLeft(candidate.excess, sample)) {
     ladder.push_back({first, false,
                       Format("with Phong the excess variance is %.3g: nothing is left to explain",
                              candidate.excess)});
-    return candidate;
   }
-  Candidate best = candidate;
-  for (int number = 1; number < model::reflectance::Lobes::kCount; ++number) {
-    const auto model = static_cast<model::SpecularModel>(number + 1);
-    Candidate other = Eliminate(sample, WithLobe(candidate, model));
-    const bool fewer = other.scene.lights.size() <= candidate.scene.lights.size();
-    const bool accepted =
-        fewer && other.excess * kLobeRatio < candidate.excess && other.excess < best.excess;
-    const reflectance::LobeFacts& facts = model::FactsOf(model);
-    ladder.push_back(
-        {facts.word, accepted,
-         Format("excess variance %.3g with Phong, %.3g with %s; it counts from a ratio of %.2f",
-                candidate.excess, other.excess, facts.name, kLobeRatio)});
-    if (accepted) best = std::move(other);
+  if (NothingLeft(candidate.excess, sample)) return candidate;
+  // All of them together: a lobe that is wrong and a coat that lacks can stand for each other.
+  std::vector<Surface> surfaces{{model::SpecularModel::kPhong, false, candidate}};
+  if (sample.choice.specular) surfaces[0].lobe = *sample.choice.specular;
+  for (const bool coated : {false, true})
+    for (int number = 0; number < model::reflectance::Lobes::kCount; ++number) {
+      const auto lobe = static_cast<model::SpecularModel>(number + 1);
+      if (sample.choice.specular && *sample.choice.specular != lobe) continue;
+      if ((sample.choice.diffuse && coated) || (lobe == surfaces[0].lobe && !coated)) continue;
+      Candidate start = WithLobe(candidate, lobe);
+      if (coated) start = WithDiffuse(std::move(start), model::DiffuseModel::kCoated);
+      surfaces.push_back({lobe, coated, Refit(sample, start, 40, sample.noise, kToKeep)});
+    }
+  auto best =
+      std::min_element(surfaces.begin(), surfaces.end(),
+                       [](const Surface& a, const Surface& b) { return a.Price() < b.Price(); });
+  if (best != surfaces.begin()) {
+    best->fitted = Eliminate(sample, best->fitted);
+    if (best->fitted.scene.lights.size() > candidate.scene.lights.size()) best = surfaces.begin();
   }
-  return best;
-}
-
-Candidate ChooseCoat(const Sample& sample, const Candidate& candidate,
-                     std::vector<model::Rung>& ladder) {
-  // Of what explains the pictures nothing is said: most surfaces have no coat.
-  if (sample.choice.diffuse || NothingLeft(candidate.excess, sample)) return candidate;
-  Candidate coated =
-      Eliminate(sample, WithDiffuse(candidate, model::DiffuseModel::kCoated));
-  const bool fewer = coated.scene.lights.size() <= candidate.scene.lights.size();
-  const bool accepted = fewer && coated.excess * kCoatRatio < candidate.excess;
-  ladder.push_back(
-      {model::FactsOf(model::DiffuseModel::kCoated).word, accepted,
-       Format("excess variance %.3g with %s, %.3g under a coat; it counts from a ratio of %.2f",
-              candidate.excess, Name(candidate.scene.reflectance.diffuse_model), coated.excess,
-              kCoatRatio)});
-  return accepted ? coated : candidate;
+  if (!sample.choice.specular) TellSurfaces(surfaces, *best, ladder);
+  return best->fitted;
 }
 
 }  // namespace turnlight::estimator::start

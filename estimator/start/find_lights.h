@@ -13,7 +13,8 @@ namespace turnlight::estimator::start {
 // with Oren-Nayar, from an over-complete lattice of lights, and from the lights of what left the
 // least with the other diffuse model. Each is fitted and thinned out, and the best stays: more
 // lights must make the excess variance three times smaller, each of them where the diffuse models
-// differ; Oren-Nayar 1.25 times.
+// differ; Oren-Nayar 1.25 times. Where all that leaves too much, and there are colours, also with
+// lights of their own colours, which must make it three times smaller.
 Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>& clusters,
                      std::vector<model::Rung>& ladder);
 
@@ -21,13 +22,9 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
 Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
                         std::vector<model::Rung>& ladder);
 
-// The lobe for these lights: another than Phong's only if it makes the excess variance 1.25 times
-// smaller without more lights; of these the one that leaves least.
-Candidate ChooseLobe(const Sample& sample, const Candidate& candidate,
-                     std::vector<model::Rung>& ladder);
-
-// Whether the diffuse part lies under a coat, by the same rule.
-Candidate ChooseCoat(const Sample& sample, const Candidate& candidate,
-                     std::vector<model::Rung>& ladder);
+// The lobe for these lights, and whether the diffuse part lies under a coat: another lobe than
+// Phong's, or a coat, only if it makes the excess variance 1.25 times smaller.
+Candidate ChooseLobeAndCoat(const Sample& sample, const Candidate& candidate,
+                            std::vector<model::Rung>& ladder);
 
 }  // namespace turnlight::estimator::start

@@ -33,8 +33,7 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
   } else {
     candidate = FindLights(sample, clusters, out.ladder);
     candidate = ChooseDiffuse(sample, candidate, out.ladder);
-    candidate = ChooseLobe(sample, candidate, out.ladder);
-    candidate = ChooseCoat(sample, candidate, out.ladder);
+    candidate = ChooseLobeAndCoat(sample, candidate, out.ladder);
     candidate = CheckHeldOut(observe::Subsample(all, static_cast<std::size_t>(kSampleSize), 2),
                              sample, std::move(candidate), out.ladder);
   }

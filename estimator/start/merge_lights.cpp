@@ -20,6 +20,7 @@ model::Light Merged(const model::Light& a, const model::Light& b) {
   out.direction = (share * a.direction + (1.0 - share) * b.direction).normalized();
   out.inverse_distance = share * a.inverse_distance + (1.0 - share) * b.inverse_distance;
   out.intensity = a.intensity + b.intensity;
+  if (a.color != b.color) out.color = share * a.color + (1.0 - share) * b.color;
   return out;
 }
 

@@ -12,10 +12,39 @@ std::vector<std::size_t> StrengthOrder(const model::Scene& solver_scene,
   std::vector<std::size_t> order(world.lights.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return world.lights[a].intensity > world.lights[b].intensity;
+    return model::Strength(world.lights[a]) > model::Strength(world.lights[b]);
   });
   return order;
 }
+
+namespace {
+
+// The largest channel of a colour becomes 1, and what it multiplies takes the rest.
+void Normalise(Eigen::Vector3d& colour, double& strength) {
+  const double largest = std::max(colour.maxCoeff(), 1e-300);
+  colour /= largest;
+  strength *= largest;
+}
+
+// The same pictures with the strongest light white: its colour goes to the albedo and to what the
+// lobes reflect, and out of the other lights and the ambient light.
+void MakeStrongestWhite(const std::vector<std::size_t>& order, model::Reflectance& r,
+                        std::vector<model::Light>& lights) {
+  if (!order.empty()) {
+    const Eigen::Vector3d gauge = lights[order[0]].color.cwiseMax(1e-300);
+    r.albedo = r.albedo.cwiseProduct(gauge);
+    r.specular_colour = r.specular_colour.cwiseProduct(gauge);
+    r.ambient_colour = r.ambient_colour.cwiseQuotient(gauge);
+    for (model::Light& light : lights) light.color = light.color.cwiseQuotient(gauge);
+  }
+  for (model::Light& light : lights) Normalise(light.color, light.intensity);
+  Normalise(r.ambient_colour, r.ambient);
+  double specular = 1.0;
+  Normalise(r.specular_colour, specular);
+  for (model::Lobe& lobe : r.lobes) lobe.strength *= specular;
+}
+
+}  // namespace
 
 Reported Report(const model::Scene& solver_scene, const observe::Observations& observations,
                 const std::vector<std::size_t>& order) {
@@ -23,16 +52,18 @@ Reported Report(const model::Scene& solver_scene, const observe::Observations& o
   Reported out;
   model::Reflectance& r = out.reflectance;
   r = world.reflectance;
+  std::vector<model::Light> lights = world.lights;
+  if (world.free_colours || world.coloured()) MakeStrongestWhite(order, r, lights);
   const double albedo = std::max(r.albedo.maxCoeff(), 1e-300);
-  const double strongest = order.empty() ? 1.0 : std::max(world.lights[order[0]].intensity, 1e-300);
+  const double strongest = order.empty() ? 1.0 : std::max(lights[order[0]].intensity, 1e-300);
   r.albedo /= albedo;
   r.ambient *= albedo;
   r.diffuse *= albedo * strongest;
   for (model::Lobe& lobe : r.lobes) lobe.strength *= strongest;
-  out.ambient_product = r.albedo * r.ambient;
+  out.ambient_product = r.albedo.cwiseProduct(r.ambient_colour) * r.ambient;
   for (const std::size_t index : order) {
     ReportedLight& light = out.lights.emplace_back();
-    light.light = world.lights[index];
+    light.light = lights[index];
     light.light.intensity /= strongest;
     light.direction_at_reference = solver_scene.lights[index].direction;
     light.diffuse_product =

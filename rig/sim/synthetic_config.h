@@ -14,7 +14,8 @@
 //                       distance: [lo, hi], distant_share, intensity: [lo, hi]}
 //   reflectance         as in truth.json (estimator/results/scene_json.h)
 //   random_reflectance  instead of reflectance: {model, diffuse_model, and [lo, hi] of albedo,
-//                       ambient, diffuse, specular, shininess, roughness_deg}
+//                       ambient, diffuse, specular, shininess, roughness_deg}; a model with an
+//                       alpha is as wide and as bright as Phong's of that shininess and specular
 //   sensor              {bits: 8|16|float, format: png|tiff|exr, encoding: linear|srgb|{gamma: g},
 //                       black, white, saturation, noise_relative, noise_shot, clip_share}
 //   samples_per_side    1..32, rays per pixel and axis

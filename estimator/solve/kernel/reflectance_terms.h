@@ -89,6 +89,36 @@ TURNLIGHT_INLINE bool PowerReaches(double exponent, const Vector3<Real>& axis,
   return L::Any(L::Splat(exponent) * c < L::Splat(beyond));
 }
 
+// Adds a point's term. half: what the axis is compared with; inverse_half_norm: 1 / |l + v| of a
+// half vector.
+template <typename Lobe, typename Real>
+TURNLIGHT_INLINE void AddSample(const Block<Real>& block,
+                                const reflectance::LobeArguments<Lanes<Real>>& at,
+                                const reflectance::LobeTerm<Lanes<Real>>& term,
+                                const Vector3<Real>& half,
+                                typename Lanes<Real>::V inverse_half_norm,
+                                const SampledAxis<Real>& sample, int samples,
+                                LobeMean<Real>& mean) {
+  using L = Lanes<Real>;
+  const Vector3<Real>&axis = sample.axis, &step = sample.step;
+  mean.value += term.value;
+  mean.by_shape += term.by_shape;
+  if constexpr (Lobe::kFacts.about_mirrored_view) {
+    mean.gradient = mean.gradient + axis * term.by_cosine;
+    if (samples > 1)
+      mean.by_parallax += term.by_cosine * (half.Dot(step) - half.Dot(axis) * axis.Dot(step));
+  } else {
+    const auto cosine = L::Max(Real(1) - at.below_one, L::Splat(1e-6));
+    mean.gradient = mean.gradient + (axis - half * cosine) * (term.by_cosine * inverse_half_norm);
+  }
+  if constexpr (Lobe::kFacts.physical) {
+    mean.by_f0 += term.by_f0;
+    mean.gradient =
+        mean.gradient + axis * term.by_light_cosine +
+        (block.viewer - half * at.half_cosine) * (term.by_half_cosine * inverse_half_norm);
+  }
+}
+
 // The mean over samples x samples points of the pixel's footprint; false where it is 0 and so is
 // all else. The footprint moves the mirrored ray w; for a lobe about the normal that is the one
 // that mirrors the view into it. It also moves the point itself, and so the direction of a near
@@ -117,7 +147,7 @@ TURNLIGHT_INLINE bool MeanOf(const KernelModel& model, const KernelLobe& lobe,
     for (int i = 0; i < samples; ++i) {
       SampledAxis<Real> sample{centre, {zero, zero, zero}};
       if (samples > 1) sample = SampleAxis<kMirrored>(model, block, parallax, samples, i, j);
-      const Vector3<Real>&axis = sample.axis, &step = sample.step;
+      const Vector3<Real>& axis = sample.axis;
       const Vector3<Real> chord = half - axis;
       at.below_one = Real(0.5) * chord.Dot(chord);
       at.weight = L::Splat(model.weight[samples][i] * model.weight[samples][j]);
@@ -126,23 +156,7 @@ TURNLIGHT_INLINE bool MeanOf(const KernelModel& model, const KernelLobe& lobe,
         at.view_cosine = axis.Dot(block.viewer);
       }
       const auto term = Lobe::template Evaluate<L>(lobe.shape, lobe.f0, at);
-      mean.value += term.value;
-      mean.by_shape += term.by_shape;
-      if constexpr (kMirrored) {
-        mean.gradient = mean.gradient + axis * term.by_cosine;
-        if (samples > 1)
-          mean.by_parallax += term.by_cosine * (half.Dot(step) - half.Dot(axis) * axis.Dot(step));
-      } else {
-        const V cosine = L::Max(Real(1) - at.below_one, L::Splat(1e-6));
-        mean.gradient =
-            mean.gradient + (axis - half * cosine) * (term.by_cosine * inverse_half_norm);
-      }
-      if constexpr (Lobe::kFacts.physical) {
-        mean.by_f0 += term.by_f0;
-        mean.gradient =
-            mean.gradient + axis * term.by_light_cosine +
-            (block.viewer - half * at.half_cosine) * (term.by_half_cosine * inverse_half_norm);
-      }
+      AddSample<Lobe>(block, at, term, half, inverse_half_norm, sample, samples, mean);
     }
   }
   return true;

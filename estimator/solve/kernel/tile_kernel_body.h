@@ -147,6 +147,32 @@ TURNLIGHT_INLINE WeighedResidual<Real> WeighResidual(const KernelModel& model,
   return {weight, cost};
 }
 
+// The rows of the parameters that all lights share, weighted.
+template <typename Real>
+TURNLIGHT_INLINE void StoreSharedRows(const KernelModel& model, const Shading<Real>& shading,
+                                      typename Lanes<Real>::V weight, const Rows<Real>& rows,
+                                      int offset) {
+  using L = Lanes<Real>;
+  using V = typename L::V;
+  const V zero = L::Splat(0.0), one = L::Splat(1.0);
+  V a[kMostBeforeLights], b[kMostBeforeLights];
+  for (int i = 0; i < model.first_light_row; ++i) a[i] = b[i] = zero;
+  a[model.ambient_row] = one;
+  a[model.diffuse_row] = shading.diffuse;
+  a[model.roughness_row] = L::Splat(model.diffuse) * shading.by_roughness;
+  for (int k = 0; k < model.lobes; ++k) {
+    const KernelLobe& lobe = model.lobe[k];
+    b[lobe.strength_row] = shading.specular[k];
+    // By the logarithm of the shape.
+    b[lobe.shape_row] = L::Splat(lobe.strength * lobe.shape) * shading.by_shape[k];
+    if (lobe.f0_row >= 0) b[lobe.f0_row] = L::Splat(lobe.strength) * shading.by_f0[k];
+  }
+  for (int i = 0; i < model.first_light_row; ++i) {
+    L::Store(rows.A(i) + offset, a[i] * weight);
+    L::Store(rows.B(i) + offset, b[i] * weight);
+  }
+}
+
 // Residuals of a block, its shared rows and their weights. Returns its cost.
 template <typename Real>
 TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
@@ -155,7 +181,7 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
                                                      const Rows<Real>& rows, int offset) {
   using L = Lanes<Real>;
   using V = typename L::V;
-  const V zero = L::Splat(0.0), one = L::Splat(1.0);
+  const V zero = L::Splat(0.0);
   const V albedo_row = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
   const V white = White(model, shading);
   V residual[3], square = zero, residual_a = zero, residual_b = zero;
@@ -175,22 +201,7 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
   L::Store(rows.Albedo() + offset, albedo_row * weight);
   L::Store(rows.ResidualA() + offset, residual_a);
   L::Store(rows.ResidualB() + offset, residual_b);
-  V a[kMostBeforeLights], b[kMostBeforeLights];
-  for (int i = 0; i < model.first_light_row; ++i) a[i] = b[i] = zero;
-  a[model.ambient_row] = one;
-  a[model.diffuse_row] = shading.diffuse;
-  a[model.roughness_row] = L::Splat(model.diffuse) * shading.by_roughness;
-  for (int k = 0; k < model.lobes; ++k) {
-    const KernelLobe& lobe = model.lobe[k];
-    b[lobe.strength_row] = shading.specular[k];
-    // By the logarithm of the shape.
-    b[lobe.shape_row] = L::Splat(lobe.strength * lobe.shape) * shading.by_shape[k];
-    if (lobe.f0_row >= 0) b[lobe.f0_row] = L::Splat(lobe.strength) * shading.by_f0[k];
-  }
-  for (int i = 0; i < model.first_light_row; ++i) {
-    L::Store(rows.A(i) + offset, a[i] * weight);
-    L::Store(rows.B(i) + offset, b[i] * weight);
-  }
+  StoreSharedRows(model, shading, weight, rows, offset);
   if (model.huber > 0.0 || model.weighted) {
     for (int i = model.first_light_row; i < rows.shared; ++i) {
       L::Store(rows.A(i) + offset, L::Load(rows.A(i) + offset) * weight);

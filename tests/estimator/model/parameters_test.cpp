@@ -83,7 +83,7 @@ TEST(Parameters, AreThoseOfTheModels) {
                              Lobe{SpecularModel::kPhong, 0.1, 12.0}};
   scene.free_colours = true;
   const Parameters all(scene, 3);
-  EXPECT_EQ(all.count(), 3 + 5 + 1 + 2 + 4 * 2 + 3 * 2);
+  EXPECT_EQ(all.count(), 3 + 5 + 1 + 2 + 4 * 2 + 3 * 2 + 3 + 3);
   std::set<int> found;
   for (int lobe = 0; lobe < 2; ++lobe)
     for (const int column : {all.Strength(lobe), all.Shape(lobe)}) found.insert(column);

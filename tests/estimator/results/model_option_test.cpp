@@ -70,10 +70,10 @@ TEST(ModelOption, ARefusedValueNamesKeyValueAndWhatIsAllowed) {
                       HasSubstr("\"" + std::string(word) + "\""), HasSubstr("1 to 32")));
   EXPECT_THAT(Refusal("diffuse=lambertian"),
               AllOf(HasSubstr("--model diffuse=lambertian"), HasSubstr("\"lambertian\""),
-                    HasSubstr("allowed are lambert, oren-nayar")));
+                    HasSubstr("allowed are lambert, oren-nayar, coated")));
   EXPECT_THAT(Refusal("specular=blinn"),
               AllOf(HasSubstr("--model specular=blinn"), HasSubstr("\"blinn\""),
-                    HasSubstr("allowed are none, phong, blinn-phong")));
+                    HasSubstr("allowed are none, phong, blinn-phong, beckmann, ggx")));
   EXPECT_THAT(Refusal("lights-are=close"),
               AllOf(HasSubstr("--model lights-are=close"), HasSubstr("\"close\""),
                     HasSubstr("allowed are near, distant")));
@@ -89,9 +89,11 @@ TEST(ModelOption, ARefusedKeyNamesTheNearestAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("difuse=lambert"), HasSubstr("did you mean \"diffuse\"?"));
   EXPECT_THAT(Refusal("speculer=none"), HasSubstr("did you mean \"specular\"?"));
   EXPECT_THAT(Refusal("lights_are=near"), HasSubstr("did you mean \"lights-are\"?"));
-  EXPECT_THAT(Refusal("colour=red"),
-              AllOf(HasSubstr("unknown key \"colour\""), Not(HasSubstr("did you mean")),
-                    HasSubstr("allowed are lights, diffuse, specular, lights-are")));
+  EXPECT_THAT(Refusal("colour=free"), HasSubstr("did you mean \"color\"?"));
+  EXPECT_THAT(Refusal("color=red"), HasSubstr("allowed are free, white"));
+  EXPECT_THAT(Refusal("weight=2"),
+              AllOf(HasSubstr("unknown key \"weight\""), Not(HasSubstr("did you mean")),
+                    HasSubstr("allowed are lights, diffuse, specular, lights-are, color")));
   EXPECT_THAT(Refusal(""), HasSubstr("unknown key \"\""));
 }
 

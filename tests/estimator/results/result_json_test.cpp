@@ -163,10 +163,42 @@ void CollectKeys(const nlohmann::ordered_json& json, std::set<std::string>& keys
   }
 }
 
+TEST(ResultJson, LobesAndColoursHaveTheirOwnKeys) {
+  Estimate e = ExampleEstimate();
+  EXPECT_FALSE(nlohmann::json::parse(ResultToJson(e, "n", Method::kLeastSquares, {}))["reflectance"]
+                   .contains("lobes"));
+  e.reflectance.lobes[0] = {model::SpecularModel::kGgx, 0.3, 0.2, 0.5};
+  e.reflectance.lobes[1] = {model::SpecularModel::kPhong, 0.1, 12.0};
+  e.sigma.lobes[0] = {0.01, 0.002, 0.03};
+  e.reflectance.specular_colour = {1.0, 0.8, 0.6};
+  e.lights[1].light.color = {1.0, 0.9, 0.7};
+  e.lights[1].colour_sigma = {0.0, 0.01, 0.02};
+  const std::string text = ResultToJson(e, "n", Method::kLeastSquares, {});
+  const auto json = nlohmann::json::parse(text);
+  const auto& r = json["reflectance"];
+  EXPECT_TRUE(r["shininess"].is_null());
+  ASSERT_EQ(r["lobes"].size(), 2u);
+  EXPECT_EQ(r["lobes"][0]["model"], "ggx");
+  EXPECT_EQ(r["lobes"][0]["alpha"], 0.2);
+  EXPECT_EQ(r["lobes"][0]["f0"], 0.5);
+  EXPECT_EQ(r["lobes"][0]["sigma"]["alpha"], 0.002);
+  EXPECT_EQ(r["lobes"][1]["shininess"], 12.0);
+  EXPECT_FALSE(r["lobes"][1].contains("f0"));
+  EXPECT_EQ(json["lights"][1]["color_sigma"][2], 0.02);
+  EXPECT_FALSE(json["lights"][0].contains("color"));
+  const auto scene = ParseScene(text, "result.json");
+  ASSERT_TRUE(scene) << scene.error().text;
+  EXPECT_EQ(scene->reflectance.lobes[0].f0, 0.5);
+  EXPECT_EQ(scene->reflectance.lobes[1].shape, 12.0);
+  EXPECT_EQ(scene->reflectance.specular_colour, e.reflectance.specular_colour);
+}
+
 TEST(ResultJson, TheDesignListsEveryKey) {
   Estimate e = ExampleEstimate();
   e.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
   e.lights[1].light.color = {1.0, 0.9, 0.7};
+  e.reflectance.lobes[0] = {model::SpecularModel::kGgx, 0.3, 0.2, 0.5};
+  e.reflectance.ambient_colour = e.reflectance.specular_colour = {1.0, 0.8, 0.6};
   std::set<std::string> keys;
   CollectKeys(nlohmann::ordered_json::parse(ResultToJson(e, "name", Method::kPaper, {})), keys);
   EXPECT_GT(keys.size(), 60u);

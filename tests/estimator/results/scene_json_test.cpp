@@ -151,6 +151,48 @@ TEST(SceneJson, TruthRoundTripsToTheSameBits) {
   EXPECT_NEAR(back->reflectance.roughness, scene.reflectance.roughness, 1e-15);
 }
 
+TEST(SceneJson, LobesAndColoursRoundTrip) {
+  model::Scene scene;
+  scene.lights.push_back({Eigen::Vector3d::UnitZ(), 0.0, 1.0, {1, 1, 1}});
+  model::Reflectance& r = scene.reflectance;
+  r.lobes[0] = {model::SpecularModel::kGgx, 0.21, 0.12, 0.04};
+  r.ambient_colour = {1.0, 0.5, 0.25};
+  r.specular_colour = {0.5, 1.0, 0.75};
+  r.diffuse_model = model::DiffuseModel::kCoated;
+  for (const bool two : {false, true}) {
+    if (two) r.lobes[1] = {model::SpecularModel::kPhong, 0.1, 7.0};
+    const auto back = ParseScene(TruthToJson(scene), "t");
+    ASSERT_TRUE(back) << back.error().text;
+    for (std::size_t k = 0; k < model::kMostLobes; ++k) {
+      EXPECT_EQ(back->reflectance.lobes[k].model, r.lobes[k].model);
+      EXPECT_EQ(back->reflectance.lobes[k].strength, r.lobes[k].strength);
+      EXPECT_EQ(back->reflectance.lobes[k].shape, r.lobes[k].shape);
+      EXPECT_EQ(back->reflectance.lobes[k].f0, r.lobes[k].f0);
+    }
+    EXPECT_EQ(back->reflectance.ambient_colour, r.ambient_colour);
+    EXPECT_EQ(back->reflectance.specular_colour, r.specular_colour);
+    EXPECT_EQ(back->reflectance.diffuse_model, r.diffuse_model);
+  }
+}
+
+TEST(SceneJson, RefusalsOfLobesNameTheKey) {
+  const auto of = [](const std::string& keys) {
+    return SceneError(R"({"lights": [], "reflectance": {"model": "ggx", "albedo": [1, 1, 1],
+      "ambient": 0, "diffuse": 1, )" +
+                      keys + "}}");
+  };
+  EXPECT_THAT(of(R"("specular": 0.1)"), HasSubstr("reflectance/alpha"));
+  EXPECT_THAT(of(R"("specular": 0.1, "alpha": 7)"), HasSubstr("reflectance/alpha"));
+  EXPECT_THAT(of(R"("specular": 0.1, "alpha": 0.1, "f0": 2)"), HasSubstr("reflectance/f0"));
+  EXPECT_THAT(of(R"("lobes": [{"model": "none", "specular": 0}])"),
+              HasSubstr("reflectance/lobes/0/model"));
+  EXPECT_THAT(of(R"("lobes": [{"model": "phong", "specular": 1, "alpha": 3}])"),
+              HasSubstr("reflectance/lobes/0/shininess"));
+  const std::string lobe = R"({"model": "phong", "specular": 1, "shininess": 3})";
+  EXPECT_THAT(of("\"lobes\": [" + lobe + "," + lobe + "," + lobe + "]"),
+              HasSubstr("3 lobes, allowed are at most 2"));
+}
+
 TEST(SceneJson, ReadsAResultExactly) {
   const std::string text = R"({"format": "turnlight-result", "version": 1, "session": "s",
     "model": {"lights": 1, "near": [true], "diffuse": "oren-nayar", "specular": "none"},

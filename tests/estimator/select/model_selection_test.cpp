@@ -52,6 +52,37 @@ TEST(Refine, ANearLightIsNearAndADistantOneIsHeldThere) {
             static_cast<std::size_t>(selected.refined.iterations) + 1);
 }
 
+TEST(Refine, ColoursThatAreNotThereAreTakenOut) {
+  for (const bool coloured : {false, true}) {
+    model::Scene truth = TwoLights();
+    if (coloured) truth.lights[1].color = {1.0, 0.9, 0.7};
+    model::Scene start = truth;
+    start.free_colours = true;
+    const Selected selected(NoisyPicture(truth), start);
+    const model::Scene& found = selected.refined.solution.scene;
+    EXPECT_EQ(selected.Accepted("colour of light 2"), coloured);
+    EXPECT_EQ(found.free_colours, coloured);
+    EXPECT_EQ(found.coloured(), coloured);
+    EXPECT_LT((found.lights[1].color - truth.lights[1].color).norm(), 0.02);
+  }
+}
+
+// Of light and viewer near each other F is F0: only views at grazing angles tell it from 1.
+TEST(Refine, F0IsHeldUnlessTheViewsTellIt) {
+  for (const double f0 : {0.1, 1.0}) {
+    model::Scene truth = TwoLights();
+    truth.reflectance.lobes[0] = {model::SpecularModel::kGgx, f0 < 1.0 ? 1.0 : 0.2, 0.25, f0};
+    model::Scene start = truth;
+    start.reflectance.lobes[0].f0 = 1.0;
+    start.reflectance.lobes[0].strength *= f0;
+    const Selected selected(NoisyPicture(truth), start);
+    const model::Lobe& found = selected.refined.solution.scene.reflectance.lobes[0];
+    EXPECT_EQ(selected.Accepted("fresnel"), f0 < 1.0);
+    EXPECT_NEAR(found.f0, f0, 0.1);
+    EXPECT_NEAR(found.shape, 0.25, 0.01);
+  }
+}
+
 TEST(Refine, AHighlightThatIsNotThereIsTakenOut) {
   model::Scene truth = TwoLights();
   truth.reflectance.lobes[0].strength = 0.0;

@@ -24,7 +24,7 @@ namespace turnlight::estimator::solve {
 namespace {
 
 constexpr int kLights = 2;
-constexpr int kMostColumns = 3 + 9 + 7 * kLights;
+constexpr int kMostColumns = 3 + 9 + 7 * kLights + 6;
 using Jet = ceres::Jet<double, kMostColumns>;
 using JetVector = Eigen::Matrix<Jet, 3, 1>;
 
@@ -99,8 +99,10 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
   std::array<Jet, 3> model;
   for (int c = 0; c < 3; ++c)
     model[static_cast<std::size_t>(c)] =
-        variable(r.albedo[c], columns.Albedo(c)) * (ambient + diffuse * diffuse_sum[c]) +
-        specular_sum[c];
+        variable(r.albedo[c], columns.Albedo(c)) *
+            (ambient * variable(r.ambient_colour[c], columns.AmbientColour(c)) +
+             diffuse * diffuse_sum[c]) +
+        specular_sum[c] * variable(r.specular_colour[c], columns.SpecularColour(c));
   return model;
 }
 
@@ -227,6 +229,8 @@ TEST(Derivatives, OfTwoLobesAndColouredLightsAgreeWithAutodiff) {
         RandomScene(seed, model::SpecularModel::kGgx, model::DiffuseModel::kLambert);
     scene.reflectance.lobes[1] = {model::SpecularModel::kPhong, 0.2, 9.0};
     scene.free_colours = true;
+    scene.reflectance.ambient_colour = {0.7, 1.0, 0.4};
+    scene.reflectance.specular_colour = {1.0, 0.8, 0.9};
     scene.lights[0].color = {1.0, 0.6, 0.3};
     scene.lights[1].color = {0.5, 0.9, 1.0};
     RandomObservations all(300, 3, seed);

@@ -62,18 +62,61 @@ TEST(ChooseDiffuse, IsThatOfTheScene) {
   }
 }
 
-TEST(ChooseLobe, IsThatOfTheScene) {
-  for (const bool half_vector : {false, true}) {
+struct SurfaceModel {
+  model::SpecularModel lobe;
+  model::DiffuseModel diffuse;
+};
+
+class ChooseLobeAndCoatTest : public testing::TestWithParam<SurfaceModel> {};
+
+TEST_P(ChooseLobeAndCoatTest, IsThatOfTheScene) {
+  model::Scene truth = TwoLights();
+  model::Reflectance& r = truth.reflectance;
+  r.lobes[0] = model::Converted(r.lobes[0], GetParam().lobe);
+  r.diffuse_model = GetParam().diffuse;
+  const Sample sample = NoisySample(truth);
+  const Candidate fitted = FitStart(sample, TwoLights());
+  std::vector<model::Rung> ladder;
+  const Candidate chosen = ChooseLobeAndCoat(sample, fitted, ladder);
+  const model::Reflectance& found = chosen.scene.reflectance;
+  EXPECT_EQ(found.lobes[0].model, GetParam().lobe);
+  EXPECT_EQ(found.diffuse_model, GetParam().diffuse);
+  EXPECT_NEAR(found.lobes[0].shape / r.lobes[0].shape, 1.0, 0.06);
+  const bool plain = GetParam().lobe == model::SpecularModel::kPhong &&
+                     GetParam().diffuse == model::DiffuseModel::kLambert;
+  EXPECT_EQ(ladder.size(), plain ? 1u : 4u);
+  for (const model::Rung& rung : ladder)
+    EXPECT_EQ(rung.accepted, rung.rung == FactsOf(GetParam().lobe).word ||
+                                 rung.rung == FactsOf(GetParam().diffuse).word)
+        << rung.rung << ": " << rung.why;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Surfaces, ChooseLobeAndCoatTest,
+    testing::Values(SurfaceModel{model::SpecularModel::kPhong, model::DiffuseModel::kLambert},
+                    SurfaceModel{model::SpecularModel::kPhong, model::DiffuseModel::kCoated},
+                    SurfaceModel{model::SpecularModel::kBlinnPhong, model::DiffuseModel::kLambert},
+                    SurfaceModel{model::SpecularModel::kBeckmann, model::DiffuseModel::kLambert},
+                    SurfaceModel{model::SpecularModel::kGgx, model::DiffuseModel::kLambert},
+                    SurfaceModel{model::SpecularModel::kGgx, model::DiffuseModel::kCoated}));
+
+TEST(FindLights, OfTheirOwnColours) {
+  for (const bool coloured : {false, true}) {
     model::Scene truth = TwoLights();
-    if (half_vector) truth.reflectance.lobes[0].model = model::SpecularModel::kBlinnPhong;
+    if (coloured) truth.lights[1].color = {0.3, 0.6, 1.0};
     const Sample sample = NoisySample(truth);
-    const Candidate fitted = FitStart(sample, TwoLights());
     std::vector<model::Rung> ladder;
-    const Candidate chosen = ChooseLobe(sample, fitted, ladder);
-    EXPECT_EQ(chosen.scene.reflectance.lobes[0].model, truth.reflectance.lobes[0].model);
-    ASSERT_EQ(ladder.size(), 1u);
-    EXPECT_EQ(ladder[0].accepted, half_vector) << ladder[0].why;
-    EXPECT_NEAR(chosen.scene.reflectance.lobes[0].shape, 25.0, 1.5);
+    const Candidate found = FindLights(sample, ClustersOf(sample), ladder);
+    EXPECT_EQ(found.scene.free_colours, coloured);
+    ASSERT_EQ(found.scene.lights.size(), 2u);
+    EXPECT_LT(WorstDirectionDeg(found.scene.lights, truth.lights), 0.5);
+    if (!coloured) continue;
+    // Of the weaker one, in the colour of the stronger.
+    const auto& lights = found.scene.lights;
+    const bool first = model::Strength(lights[0]) > model::Strength(lights[1]);
+    const Eigen::Vector3d colour =
+        lights[first ? 1 : 0].color.cwiseQuotient(lights[first ? 0 : 1].color);
+    EXPECT_LT((colour / colour.maxCoeff() - truth.lights[1].color).norm(), 0.02);
   }
 }
 
@@ -83,7 +126,7 @@ TEST(ChooseDiffuse, WhatTheUserChoseIsNotDecided) {
   sample.choice.specular = model::SpecularModel::kPhong;
   const Candidate fitted = FitStart(sample, TwoLights());
   std::vector<model::Rung> ladder;
-  const Candidate same = ChooseLobe(sample, ChooseDiffuse(sample, fitted, ladder), ladder);
+  const Candidate same = ChooseLobeAndCoat(sample, ChooseDiffuse(sample, fitted, ladder), ladder);
   EXPECT_EQ(same.rms_history, fitted.rms_history);
   ASSERT_EQ(ladder.size(), 2u);
   for (const model::Rung& rung : ladder) EXPECT_EQ(rung.why, "as asked for");
