@@ -86,14 +86,15 @@ std::string LobesText(const Estimate& estimate) {
     if (!lobe.present()) continue;
     const estimator::model::reflectance::LobeFacts& facts = FactsOf(lobe.model);
     const estimator::ReflectanceSigma::OfLobe& sigma = estimate.sigma.lobes[k];
-    const bool known = k > 0 || !estimator::IsUndetermined(estimate, "reflectance/lobe/fwhm_deg");
+    // Of the first lobe's shape the keys of result.json say whether it is known.
+    const std::string key = facts.physical ? "reflectance/lobes/0/alpha" : "reflectance/shininess";
+    const bool known = k > 0 || !estimator::IsUndetermined(estimate, key);
     std::string values =
         k > 0 ? Measure(lobe.strength, sigma.strength)
               : MeasureOf(estimate, "reflectance/specular", lobe.strength, sigma.strength);
     values += std::string(",  ") + facts.shape_key + " " +
               (known ? Measure(lobe.shape, sigma.shape.value_or(0.0))
-                     : MeasureOf(estimate, "reflectance/lobe/fwhm_deg", lobe.shape,
-                                 sigma.shape.value_or(0.0)));
+                     : MeasureOf(estimate, key, lobe.shape, sigma.shape.value_or(0.0)));
     if (sigma.f0) values += ",  F0 " + Measure(lobe.f0, *sigma.f0);
     if (known)
       values += Format(" (highlight %.3g\u00b0 wide)", estimator::results::LobeWidthDeg(lobe));

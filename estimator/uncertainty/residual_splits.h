@@ -12,7 +12,7 @@
 
 namespace turnlight::estimator::uncertainty {
 
-// Gradients of the cost by the solver's columns (see Columns).
+// Gradients of the cost by the solver's columns (see model::Parameters).
 struct ResidualSplits {
   // Of each tile, a column: neighbouring pixels, whose residuals may go together, count as one.
   Eigen::MatrixXd clusters;

@@ -118,14 +118,14 @@ TEST(Config, AConfigOfTheOtherKindIsCalledThat) {
                                   "allowed is one for turnlight run"));
   // Of a run's config without its graph that is what is missing.
   std::string text = ReadText(configs + "simulated_turntable.yaml");
-  Replace(text, "\ngraph:", "\ngraf:");
-  WriteText(folder / "graf.yaml", text);
-  const Outcome check = RunProgram({"config", "check", folder / "graf.yaml"});
+  Replace(text, "\ngraph:", "\ngrap:");
+  WriteText(folder / "grap.yaml", text);
+  const Outcome check = RunProgram({"config", "check", folder / "grap.yaml"});
   EXPECT_EQ(check.exit_code, 2);
   EXPECT_THAT(check.err, ::testing::AllOf(HasSubstr("graph: this key is missing"),
                                           ::testing::Not(HasSubstr("home, jog"))));
   // A rig alone is a config for other commands.
-  text.erase(text.find("\ngraf:"));
+  text.erase(text.find("\ngrap:"));
   WriteText(folder / "rig.yaml", text);
   EXPECT_THAT(RunProgram({"config", "check", folder / "rig.yaml"}).err,
               HasSubstr("home, jog, snap and doctor do without it"));

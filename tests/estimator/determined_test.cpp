@@ -42,7 +42,8 @@ Estimate Known() {
   estimate.budget.emplace_back().sigma.lights.resize(2);
   estimate.reflectance = Glossy(0.1, 0.5, 0.2);
   estimate.reflectance.albedo = {1.0, 0.8, 0.6};
-  estimate.sigma = {{0.0, 0.01, 0.01}, 0.01, 0.01, 0.01, 1.0, std::nullopt};
+  estimate.sigma = {{0.0, 0.01, 0.01}, 0.01, 0.01, {}, std::nullopt};
+  estimate.sigma.lobes[0] = {0.01, 1.0, std::nullopt};
   estimate.ambient_product = {0.1, 0.08, 0.06};
   estimate.ambient_product_sigma = {0.01, 0.01, 0.01};
   return estimate;

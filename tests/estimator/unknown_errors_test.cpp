@@ -105,9 +105,9 @@ TEST(Levels, DarkPicturesGiveTheSameLights) {
   EXPECT_LT(WorstDirection(dark->estimate, LightsOf(config)), 0.1);
   EXPECT_NEAR(dark->estimate.rms / bright->estimate.rms / factor, 1.0, 0.05);
   for (std::size_t l = 0; l < 2; ++l)
-    EXPECT_NEAR(
-        dark->estimate.lights[l].specular_product / bright->estimate.lights[l].specular_product,
-        factor, 0.01 * factor);
+    EXPECT_NEAR(dark->estimate.lights[l].specular_product[0] /
+                    bright->estimate.lights[l].specular_product[0],
+                factor, 0.01 * factor);
 }
 
 // Of two estimates of one scene, the second in W's coordinates times `unit` plus `shift`: that the
@@ -228,8 +228,8 @@ double WorstInSigmas(const Estimate& e, const rig::sim::SyntheticSession& sessio
     const LightEstimate& found = e.lights[i];
     take(DegToRad(AngleDeg(found.light.direction, light.direction)), found.direction_sigma);
     take(found.light.inverse_distance - light.inverse_distance, found.inverse_distance_sigma);
-    take(found.specular_product - truth.lobes[0].strength * light.intensity,
-         found.specular_product_sigma);
+    take(found.specular_product[0] - truth.lobes[0].strength * light.intensity,
+         found.specular_product_sigma[0]);
     for (int c = 0; c < 3; ++c)
       take(found.diffuse_product[c] - truth.albedo[c] * truth.diffuse * light.intensity,
            found.diffuse_product_sigma[c]);

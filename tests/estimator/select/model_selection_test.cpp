@@ -116,9 +116,12 @@ TEST(Refine, WhatTheUserChoseIsNotDecided) {
   truth.reflectance.lobes[0].strength = 0.0;
   model::Scene start = truth;
   start.reflectance.lobes[0].strength = 0.1;
-  const Selected selected(
-      NoisyPicture(truth), start,
-      {.lights = {}, .diffuse = {}, .specular = model::SpecularModel::kPhong, .near = false});
+  const Selected selected(NoisyPicture(truth), start,
+                          {.lights = {},
+                           .diffuse = {},
+                           .specular = model::SpecularModel::kPhong,
+                           .near = false,
+                           .coloured = {}});
   EXPECT_TRUE(selected.Accepted("specular"));
   EXPECT_EQ(selected.refined.solution.scene.reflectance.lobes[0].model,
             model::SpecularModel::kPhong);
