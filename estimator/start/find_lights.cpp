@@ -7,6 +7,8 @@
 #include "base/format.h"
 #include "estimator/model/direction_lattice.h"
 #include "estimator/model/reflectance/models.h"
+#include "estimator/solve/footprints.h"
+#include "estimator/solve/prediction.h"
 #include "estimator/start/add_missing_lights.h"
 #include "estimator/start/eliminate_lights.h"
 #include "estimator/start/merge_lights.h"
@@ -22,6 +24,9 @@ constexpr int kLatticeLights = 24;
 constexpr double kRatioPerLight = 3.0;
 constexpr double kRoughRatio = 1.25, kLobeRatio = 1.25, kCoatRatio = 1.25;
 constexpr double kColourRatio = 3.0;
+constexpr double kColourShare =
+    0.1;                        // of the excess variance, in a direction that only colours make
+constexpr double kGrey = 0.02;  // of an albedo: what is no colour
 constexpr double kFirstRoughness = 0.3;  // radians
 
 Eigen::Vector3d MeanNormal(const observe::Observations& all) {
@@ -69,6 +74,35 @@ bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
   return a.excess * std::pow(kRatioPerLight, worth) * std::pow(kRoughRatio, rough) *
              std::pow(kColourRatio, coloured) <
          b.excess;
+}
+
+// Whether a fit with white lights leaves what only colours can explain: residuals that are neither
+// of the albedo's colour, as of shading, nor white, as of highlights, beyond noise and a good part
+// of all.
+bool LeavesColour(const Sample& sample, const Candidate& candidate) {
+  const observe::Observations& pixels = sample.pixels;
+  solve::EvaluateOptions options;
+  options.samples_per_side = solve::FootprintSamples(pixels, candidate.scene.reflectance);
+  options.shadows = candidate.shadows;
+  const solve::Prediction model = solve::Predict(pixels, candidate.scene, options);
+  const Eigen::Vector3d white = Eigen::Vector3d::Ones().normalized();
+  Eigen::Vector3d beside = candidate.scene.reflectance.albedo;
+  beside -= white * white.dot(beside);
+  const bool grey = beside.norm() < kGrey * candidate.scene.reflectance.albedo.norm();
+  beside.normalize();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
+    Eigen::Vector3d residual;
+    for (int c = 0; c < 3; ++c)
+      residual[c] =
+          static_cast<double>(pixels.radiance[c][i] - model[static_cast<std::size_t>(c)][i]);
+    residual -= white * white.dot(residual);
+    if (!grey) residual -= beside * beside.dot(residual);
+    sum += pixels.WeightOf(i) * pixels.WeightOf(i) * residual.squaredNorm();
+  }
+  const double values = ValuesIn(pixels) / 3.0 * (grey ? 2.0 : 1.0);
+  return sum / values - sample.noise * sample.noise > kColourShare * candidate.excess;
 }
 
 // The candidates so far, and what became of each.
@@ -133,7 +167,7 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
     search.Try(
         "the lights of the least of these", search.lowest.scene,
         Rough(search.lowest) ? model::DiffuseModel::kLambert : model::DiffuseModel::kOrenNayar);
-  if (!search.done && !sample.choice.coloured && !grey) {
+  if (!search.done && !sample.choice.coloured && !grey && LeavesColour(sample, search.lowest)) {
     search.colours = true;
     search.Try("the clusters", directions, diffuse);
     if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
