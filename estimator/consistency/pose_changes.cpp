@@ -50,7 +50,7 @@ void Try(Trial& trial, const char* code, const std::string& words, const char* q
          Poses poses) {
   const double left = LeftBy(trial, poses);
   trial.found.push_back(
-      {code, words, question, std::move(poses), trial.in_order, left, trial.found.size()});
+      {code, words, question, std::move(poses), trial.in_order, left, trial.found.size(), 1.0});
 }
 
 Poses Scaled(const Poses& given, const Turning& turning, double factor) {
@@ -339,13 +339,15 @@ PoseChange ChangeOfFactor(const SmallViews& views, const std::vector<RigPoses>& 
           Scaled(poses, turning, factor),
           InOrder(views),
           left,
-          0};
+          0,
+          factor};
 }
 
 PoseChange ChangeOfOrder(const SmallViews& views, std::vector<RigPoses> poses, Order picture,
                          double left) {
   const OrderWords words = WordsOf(views, picture);
-  return {words.code, words.words, words.question, std::move(poses), std::move(picture), left, 0};
+  return {words.code, words.words, words.question, std::move(poses), std::move(picture), left,
+          0,          1.0};
 }
 
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,

@@ -21,6 +21,7 @@ struct PoseChange {
   std::vector<std::size_t> picture;    // the view whose picture keyframe k's is, after the change
   double left = 0.0;      // rms that some lights leave of the pictures (Explainer), radiance
   std::size_t place = 0;  // among those that were tried: simple ones first
+  double factor = 1.0;    // of angle-factor
 };
 
 // The pictures in another order, in words; left as above.

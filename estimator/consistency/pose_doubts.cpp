@@ -96,6 +96,7 @@ struct Tried {
   TriedChange told;
   std::size_t place = 0;
   bool explains = false;
+  double factor = 1.0;  // of angle-factor
 };
 
 // Of the changes that explain the pictures alike the simplest is told, the others with it.
@@ -136,7 +137,9 @@ class Search {
     for (const PoseChange& change : ranked) {
       if (StopRequested(stop_)) return;
       Tried tried{{change.code, change.words, change.question, change.left, std::nullopt},
-                  change.place};
+                  change.place,
+                  false,
+                  change.factor};
       const auto same = std::find_if(fitted.begin(), fitted.end(), [&](const Tried& other) {
         return other.told.code == change.code || Same(other.told.left, change.left);
       });
@@ -157,45 +160,64 @@ class Search {
       }
       out.tried.push_back(tried.told);
     }
-    if (std::none_of(fitted.begin(), fitted.end(), [](const Tried& one) { return one.explains; }))
-      TryFineFactor(angles_deg, given, fitted, out);
+    TryFineFactor(angles_deg, given, fitted, out);
     Tell(fitted, out);
   }
 
  private:
-  // A factor near 1 moves the last frames by a few degrees, which some lights or other explain as
-  // well: of that fits are asked, downhill from the best of a few.
-  void TryFineFactor(const std::vector<double>& angles_deg, const Fitted& given,
-                     std::vector<Tried>& fitted, Consistency& out) const {
-    const std::vector<calib::RigPoses> poses = PosesOf(views_);
-    const auto turning = FindTurning(poses, angles_deg);
-    if (!turning || given.pixels == 0) return;
-    const Explainer explainer(views_, geometry_, rays_);
-    double best = 1.0, least = given.rms;
-    std::optional<PoseChange> change;
+  // The factor of the angles that a fit leaves least with, downhill from `about`. The explainer
+  // tells it roughly: what a few degrees change, some lights or other explain as well. Nothing if
+  // no factor leaves less than `least`.
+  struct Factor {
+    PoseChange change;
     Fitted with;
+  };
+  std::optional<Factor> BestFactor(const Turning& turning, double about, double least) const {
+    const std::vector<calib::RigPoses> poses = PosesOf(views_);
+    std::optional<Factor> best;
     const auto look = [&](double factor) {
       if (StopRequested(stop_)) return;
-      PoseChange next = ChangeOfFactor(views_, poses, *turning, factor, 0.0);
+      PoseChange next = ChangeOfFactor(views_, poses, turning, factor, 0.0);
       Fitted fit = FitChanged(views_, next, geometry_, rays_, choice_, stop_);
       if (!(fit.pixels > 0 && fit.rms < least)) return;
       least = fit.rms;
-      best = factor;
-      with = std::move(fit);
-      change = std::move(next);
+      best = Factor{std::move(next), std::move(fit)};
     };
-    for (const double off : {-0.03, -0.015, 0.015, 0.03}) look(1.0 + off);
-    if (!change || least > kPromising * given.rms) return;
-    for (double step = 0.0075; step > 5e-4; step /= 2.0) {
-      const double about = best;
-      look(about - step);
-      look(about + step);
+    for (const double off : {-0.03, -0.015, 0.015, 0.03}) look(about * (1.0 + off));
+    for (double step = 0.0075; best && step > 5e-4; step /= 2.0) {
+      const double from = best->change.factor;
+      look(from * (1.0 - step));
+      look(from * (1.0 + step));
     }
-    change->left = explainer.Residual(explainer.DesignOf(change->poses), InOrder(views_));
-    Tried tried{{change->code, change->words, change->question, change->left, least},
-                fitted.size()};
-    tried.explains = Explains(with, given, false) && !ExplainsAsTheyAre(with);
-    if (!tried.explains) return;
+    if (!best) return best;
+    const Explainer explainer(views_, geometry_, rays_);
+    best->change.left = explainer.Residual(explainer.DesignOf(best->change.poses), InOrder(views_));
+    return best;
+  }
+  // Of a factor that explains the pictures a better one; where nothing does, one near 1 that does.
+  void TryFineFactor(const std::vector<double>& angles_deg, const Fitted& given,
+                     std::vector<Tried>& fitted, Consistency& out) const {
+    const auto turning = FindTurning(PosesOf(views_), angles_deg);
+    if (!turning || given.pixels == 0) return;
+    const auto explains = [](const Tried& one) { return one.explains; };
+    const auto rough = std::find_if(fitted.begin(), fitted.end(), [&](const Tried& one) {
+      return one.explains && one.told.code == "angle-factor";
+    });
+    if (rough == fitted.end() && std::any_of(fitted.begin(), fitted.end(), explains)) return;
+    const bool known = rough != fitted.end();
+    const auto best = BestFactor(*turning, known ? rough->factor : 1.0,
+                                 known ? *rough->told.rms : kPromising * given.rms);
+    if (!best) return;
+    const PoseChange& change = best->change;
+    Tried tried{{change.code, change.words, change.question, change.left, best->with.rms},
+                known ? rough->place : fitted.size(),
+                true,
+                change.factor};
+    if (known) {
+      *rough = tried;
+      return;
+    }
+    if (!Explains(best->with, given, false) || ExplainsAsTheyAre(best->with)) return;
     fitted.push_back(tried);
     out.tried.insert(out.tried.begin(), tried.told);
   }
