@@ -24,9 +24,9 @@ constexpr int kLatticeLights = 24;
 constexpr double kRatioPerLight = 3.0;
 constexpr double kRoughRatio = 1.25, kLobeRatio = 1.25, kCoatRatio = 1.25;
 constexpr double kColourRatio = 3.0;
-constexpr double kColourShare =
-    0.1;                        // of the excess variance, in a direction that only colours make
-constexpr double kGrey = 0.02;  // of an albedo: what is no colour
+// Of the excess variance, in a direction of colours that neither shading nor highlights have.
+constexpr double kColourShare = 0.01;
+constexpr double kGrey = 0.02;           // of an albedo: what is no colour
 constexpr double kFirstRoughness = 0.3;  // radians
 
 Eigen::Vector3d MeanNormal(const observe::Observations& all) {
