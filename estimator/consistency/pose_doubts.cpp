@@ -198,7 +198,7 @@ class Search {
   void TryFineFactor(const std::vector<double>& angles_deg, const Fitted& given,
                      std::vector<Tried>& fitted, Consistency& out) const {
     const auto turning = FindTurning(PosesOf(views_), angles_deg);
-    if (!turning || given.pixels == 0) return;
+    if (!turning || given.pixels == 0 || given.nothing_left) return;
     const auto explains = [](const Tried& one) { return one.explains; };
     const auto rough = std::find_if(fitted.begin(), fitted.end(), [&](const Tried& one) {
       return one.explains && one.told.code == "angle-factor";
