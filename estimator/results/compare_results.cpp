@@ -189,7 +189,7 @@ class ResultComparer {
   static MeasuredColour ColourOf(const ReportedLight& light) {
     MeasuredColour colour;
     for (std::size_t c = 0; c < colour.size(); ++c)
-      colour[c].value = light.colour ? (*light.colour)[c] : 1.0;
+      colour[c] = {light.colour ? (*light.colour)[c] : 1.0, light.colour_sigma[c]};
     return colour;
   }
 
@@ -208,6 +208,8 @@ class ResultComparer {
     AddRelative(group, "diffuse", "diffuse", a_.diffuse, b_.diffuse);
     AddRelative(group, "specular", "specular", a_.specular, b_.specular);
     Add(group, "shininess", "shininess", a_.shininess, b_.shininess);
+    if (a_.alpha.value || b_.alpha.value) Add(group, "alpha", "alpha", a_.alpha, b_.alpha);
+    if (a_.f0.value || b_.f0.value) Add(group, "f0", "F0", a_.f0, b_.f0);
     Add(group, "roughness_deg", "roughness", a_.roughness_deg, b_.roughness_deg);
     CompareColours(group, "ambient_product", "ambient product", a_.ambient_product,
                    b_.ambient_product);
@@ -224,12 +226,23 @@ class ResultComparer {
 }  // namespace
 
 const std::vector<QuantityWord>& ResultQuantities() {
-  static const std::vector<QuantityWord> kWords{
-      {"direction_deg", {}},    {"inverse_distance", {}}, {"distance", {}},
-      {"intensity", {}},        {"light_color", {}},      {"diffuse_product", {}},
-      {"specular_product", {}}, {"albedo", {}},           {"ambient", {}},
-      {"diffuse", {}},          {"specular", {}},         {"shininess", {}},
-      {"roughness_deg", {}},    {"ambient_product", {}},  {"rms", {.relative = kRmsTolerance}}};
+  static const std::vector<QuantityWord> kWords{{"direction_deg", {}},
+                                                {"inverse_distance", {}},
+                                                {"distance", {}},
+                                                {"intensity", {}},
+                                                {"light_color", {}},
+                                                {"diffuse_product", {}},
+                                                {"specular_product", {}},
+                                                {"albedo", {}},
+                                                {"ambient", {}},
+                                                {"diffuse", {}},
+                                                {"specular", {}},
+                                                {"shininess", {}},
+                                                {"alpha", {}},
+                                                {"f0", {}},
+                                                {"roughness_deg", {}},
+                                                {"ambient_product", {}},
+                                                {"rms", {.relative = kRmsTolerance}}};
   return kWords;
 }
 

@@ -59,6 +59,7 @@ Result<ReportedLight> ReadReportedLight(StrictObject object) {
   light.intensity = MeasuredOf(object, "intensity", object, "intensity_sigma");
   if (const auto colour = object.OptionalNumbers("color", 3))
     light.colour = {(*colour)[0], (*colour)[1], (*colour)[2]};
+  light.colour_sigma = ThreeOrNull(object, "color_sigma", object.Raw("color_sigma"));
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
   return light;
@@ -82,6 +83,20 @@ Status ReadReportedModel(StrictObject object, ReportedResult& result) {
   return object.Finish();
 }
 
+// Of the first lobe in the list, where there is one.
+Status ReadReportedLobe(StrictObject& reflectance, ReportedResult& result) {
+  if (!reflectance.Has("lobes")) return {};
+  std::vector<StrictObject> lobes = reflectance.Objects("lobes", 1);
+  if (lobes.empty()) return {};
+  StrictObject sigma = lobes[0].Object("sigma");
+  result.alpha = MeasuredOf(lobes[0], "alpha", sigma, "alpha");
+  result.f0 = MeasuredOf(lobes[0], "f0", sigma, "f0");
+  sigma.AllowUnknown();
+  lobes[0].AllowUnknown();
+  const Status status = sigma.Finish();
+  return status ? lobes[0].Finish() : status;
+}
+
 Status ReadReportedReflectance(StrictObject object, ReportedResult& result) {
   StrictObject sigma = object.Object("sigma");
   result.albedo = ColourOf(object, "albedo", sigma, "albedo");
@@ -90,6 +105,7 @@ Status ReadReportedReflectance(StrictObject object, ReportedResult& result) {
   result.specular = MeasuredOf(object, "specular", sigma, "specular");
   result.shininess = MeasuredOf(object, "shininess", sigma, "shininess");
   result.roughness_deg = MeasuredOf(object, "roughness_deg", sigma, "roughness_deg");
+  object.Adopt(ReadReportedLobe(object, result));
   sigma.AllowUnknown();
   object.AllowUnknown();
   const Status status = sigma.Finish();

@@ -22,6 +22,7 @@ struct ReportedLight {
   std::optional<double> direction_sigma_deg;
   MeasuredValue inverse_distance, distance, intensity;
   std::optional<std::array<double, 3>> colour;  // nothing: white
+  std::array<std::optional<double>, 3> colour_sigma;
   MeasuredColour diffuse_product;
   MeasuredValue specular_product;
 };
@@ -31,6 +32,7 @@ struct ReportedResult {
   std::vector<ReportedLight> lights;  // in the file's order: strongest first
   MeasuredColour albedo;
   MeasuredValue ambient, diffuse, specular, shininess, roughness_deg;
+  MeasuredValue alpha, f0;  // of the first lobe, if it has them
   MeasuredColour ambient_product;
   double rms = 0.0;
 };

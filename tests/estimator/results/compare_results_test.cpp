@@ -107,6 +107,14 @@ TEST(CompareResults, EveryQuantityCounts) {
       {"reflectance: diffuse", [](auto& r) { r.diffuse.value = 0.52; }},
       {"reflectance: specular", [](auto& r) { r.specular.value = 0.22; }},
       {"reflectance: shininess", [](auto& r) { r.shininess.value = 42.0; }},
+      {"reflectance: alpha",
+       [](auto& r) {
+         r.alpha = {0.2, 0.001};
+       }},
+      {"reflectance: F0",
+       [](auto& r) {
+         r.f0 = {0.5, 0.001};
+       }},
       {"reflectance: roughness", [](auto& r) { r.roughness_deg.value = 10.0; }},
       {"reflectance: ambient product, red", [](auto& r) { r.ambient_product[0].value = 0.11; }},
       {"residual: rms", [](auto& r) { r.rms = 0.0054; }}};

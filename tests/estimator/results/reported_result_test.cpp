@@ -21,6 +21,22 @@ json ExampleResult() {
   return json::parse(ResultToJson(ExampleEstimate(), "s", Method::kLeastSquares, {}));
 }
 
+TEST(ReportedResult, TheFirstLobesAlphaAndColours) {
+  Estimate e = ExampleEstimate();
+  e.reflectance.lobes[0] = {model::SpecularModel::kGgx, 0.3, 0.2, 0.5};
+  e.sigma.lobes[0] = {0.01, 0.002, 0.03};
+  e.lights[1].light.color = {1.0, 0.9, 0.7};
+  e.lights[1].colour_sigma = {0.0, 0.01, 0.02};
+  const auto read =
+      ParseReportedResult(ResultToJson(e, "n", Method::kLeastSquares, {}), "result.json");
+  ASSERT_TRUE(read) << read.error().text;
+  EXPECT_EQ(read->alpha.value, 0.2);
+  EXPECT_EQ(read->alpha.sigma, 0.002);
+  EXPECT_EQ(read->f0.sigma, 0.03);
+  EXPECT_EQ(read->shininess.value, std::nullopt);
+  EXPECT_EQ(read->lights[1].colour_sigma[2], 0.02);
+}
+
 TEST(ReportedResult, WhatIsWrittenIsRead) {
   const auto read = ParseReportedResult(ExampleResult().dump(), "result.json");
   ASSERT_TRUE(read) << read.error().text;
