@@ -275,6 +275,10 @@ Result<CameraModel> CameraModel::FromString(const std::string& text, const std::
     if (!(read->intrinsics[i] > 0.0))
       return InputError(file + ": 'intrinsics': the focal length " +
                         NumberText(read->intrinsics[i]) + ", allowed is a number above 0");
+  for (const double value : read->intrinsics)
+    if (!(std::abs(value) <= 1e12))  // of larger squares mrcal's search for a ray does not end
+      return InputError(file + ": 'intrinsics': " + NumberText(value) +
+                        ", allowed are numbers of at most 1e12");
   if (const Status status = CheckImagerSize(read->imager_size, file); !status)
     return Forward(status);
   CameraModel camera;

@@ -183,6 +183,19 @@ constexpr double kReach = 400.0 * 0.5443;
 
 double TangentOf(const Vector3d& ray) { return ray.head<2>().norm() / ray.z(); }
 
+TEST(CameraModel, CoefficientsWhoseSquaresOverflowAreRefused) {
+  for (const char* huge : {"4.1e306", "-1e13"}) {
+    const auto camera = CameraModel::FromString(
+        std::string("{'lensmodel': 'LENSMODEL_CAHVOR', 'extrinsics': [0,0,0,0,0,0], 'imagersize': "
+                    "[4, 4], 'intrinsics': [2.5, 6.25, 1.5, 1, 0.01, -0.01, 0.002, -0.8, ") +
+            huge + "]}",
+        "huge.cameramodel");
+    ASSERT_FALSE(camera);
+    EXPECT_NE(camera.error().text.find("huge.cameramodel: 'intrinsics': "), std::string::npos);
+    EXPECT_NE(camera.error().text.find("allowed are numbers of at most"), std::string::npos);
+  }
+}
+
 TEST(CameraModel, BeyondReachIsNan) {
   std::vector<Vector2d> points;
   for (int row = 0; row < 480; row += 3)
