@@ -277,8 +277,7 @@ Result<CameraModel> CameraModel::FromString(const std::string& text, const std::
                         NumberText(read->intrinsics[i]) + ", allowed is a number above 0");
   for (const double value : read->intrinsics)
     if (!(std::abs(value) <= 1e12))  // of larger squares mrcal's search for a ray does not end
-      return InputError(file + ": 'intrinsics': " + NumberText(value) +
-                        ", allowed are numbers of at most 1e12");
+      return InputError(file + ": 'intrinsics': " + NumberText(value) + ", allowed is up to 1e12");
   if (const Status status = CheckImagerSize(read->imager_size, file); !status)
     return Forward(status);
   CameraModel camera;
