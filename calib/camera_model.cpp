@@ -272,9 +272,9 @@ Result<CameraModel> CameraModel::FromString(const std::string& text, const std::
     return InputError(file + ": 'intrinsics': " + std::to_string(read->intrinsics.size()) +
                       " numbers, " + read->lens_model + " has " + std::to_string(count));
   for (std::size_t i = 0; i < 2; ++i)
-    if (!(read->intrinsics[i] > 0.0))
+    if (!(read->intrinsics[i] > 1e-6))
       return InputError(file + ": 'intrinsics': the focal length " +
-                        NumberText(read->intrinsics[i]) + ", allowed is a number above 0");
+                        NumberText(read->intrinsics[i]) + ", allowed is a number above 1e-6");
   for (const double value : read->intrinsics)
     if (!(std::abs(value) <= 1e12))  // of larger squares mrcal's search for a ray does not end
       return InputError(file + ": 'intrinsics': " + NumberText(value) + ", allowed is up to 1e12");

@@ -162,7 +162,8 @@ TEST(CameraModelText, NumbersMustBeFinite) {
 TEST(CameraModelText, FocalLengthMustBePositive) {
   for (const char* number : {"0", "-520"})
     EXPECT_THAT(ErrorOf(Replaced("520.5", number)), HasSubstr("focal length")) << number;
-  EXPECT_THAT(ErrorOf(Replaced("521", "-521")), HasSubstr("-521, allowed is a number above 0"));
+  EXPECT_THAT(ErrorOf(Replaced("521", "-521")), HasSubstr("-521, allowed is a number above 1e-6"));
+  EXPECT_THAT(ErrorOf(Replaced("521", "6e-308")), HasSubstr("allowed is a number above 1e-6"));
 }
 
 TEST(CameraModelText, ImagerSize) {
