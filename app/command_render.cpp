@@ -98,6 +98,19 @@ Status RequireLightsOutside(const estimator::model::Scene& scene,
   return {};
 }
 
+Status RequireFactors(const estimator::model::Scene& scene, const rig::Session& session,
+                      const std::string& file) {
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const std::size_t count = scene.lights[i].factors.size();
+    if (count == 0 || count == session.frames.size()) continue;
+    return InputError(
+        file + ": lights/" + std::to_string(i) + "/factors: " + std::to_string(count) +
+        " numbers, allowed is one for each of the " + std::to_string(session.frames.size()) +
+        " frames of " + session.root.string());
+  }
+  return {};
+}
+
 Result<rig::FrameRecord> WriteFrame(const cv::Mat& picture, const rig::FrameRecord& like,
                                     const std::string& name, const fs::path& out) {
   if (const Status status = rig::WriteImage(out / name, picture); !status) return Forward(status);
@@ -138,10 +151,10 @@ int Render(const RenderArguments& arguments) {
   auto shape = rig::ReadTarget(*session);
   if (!shape) return Fail(shape.error());
   const estimator::target::Geometry geometry(std::move(*shape));
-  if (const Status status = RequireLightsOutside(*scene, geometry, *session); !status)
-    return Fail(status.error());
   const fs::path out = arguments.out;
-  Status status = CheckOutputFolder(out, arguments.session);
+  Status status = RequireLightsOutside(*scene, geometry, *session);
+  if (status) status = RequireFactors(*scene, *session, arguments.params);
+  if (status) status = CheckOutputFolder(out, arguments.session);
   if (status) status = CheckNewFolder(out);
   if (status) status = MakeDirectory(out / "frames");
   if (!status) return Fail(status.error());
@@ -154,8 +167,9 @@ int Render(const RenderArguments& arguments) {
     Progress progress("rendering", session->frames.size());
     for (const rig::FrameRecord& frame : session->frames) {
       if (Interrupted()) break;
+      const auto scene_there = estimator::model::AtKeyframe(*scene, frames.size());
       const auto rendering =
-          estimator::target::Render(*scene, geometry, rays, frame.X_WC, frame.X_WT, options);
+          estimator::target::Render(scene_there, geometry, rays, frame.X_WC, frame.X_WT, options);
       char name[32];
       std::snprintf(name, sizeof name, "frames/%03zu", frames.size());
       auto written = WriteFrame(

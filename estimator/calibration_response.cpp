@@ -117,8 +117,8 @@ Result<std::optional<uncertainty::CalibrationResponse>> RespondToCalibration(
     const CalibratedView& view, const observe::Observations& all, const solve::Solution& solution,
     const CalibrationErrors& errors, const StopFlag* stop) {
   if (errors.items.empty()) return std::optional<uncertainty::CalibrationResponse>();
-  const observe::PixelSample sample =
-      observe::SampleOfKeyframes(all, kPixels, 5, solution.evaluate.shadows.usable.get());
+  const observe::PixelSample sample = observe::SampleOfKeyframes(
+      all, kPixels, 5, solution.evaluate.shadows.usable.get(), solution.scene.flickers());
   const model::Scene& scene = solution.scene;
   solve::EvaluateOptions options;
   options.huber = solution.evaluate.huber;

@@ -14,6 +14,7 @@
 #include "estimator/observe/views.h"
 #include "estimator/report.h"
 #include "estimator/residual_maps.h"
+#include "estimator/select/intensity_rung.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_start.h"
 #include "estimator/view_evidence.h"
@@ -74,6 +75,22 @@ double CountViews(const observe::Observations& all, const std::vector<cv::Mat>& 
   return out.distinct_views > 0 ? static_cast<double>(out.views) / out.distinct_views : 1.0;
 }
 
+// Lights were looked for as if they were constant, but they change, and what changes may have
+// passed for lights: they are looked for once more.
+select::Refined SearchAgain(const observe::Observations& all, double noise,
+                            const observe::IntensityMap& map, EstimateOptions options,
+                            double views_per_distinct, Estimate& out) {
+  const auto found = std::find_if(out.ladder.begin(), out.ladder.end(), select::IsOfIntensities);
+  const model::Rung why = *found;
+  options.model.changing = true;
+  start::Start start = StartOf(all, noise, map, options);
+  out.history.clear();
+  TakeDecisions(all, start, out);
+  out.ladder.push_back(why);
+  return select::Refine(all, start.scene, noise, views_per_distinct, options.model, out.ladder,
+                        options.watch.stop);
+}
+
 void TakeNotes(const observe::Observations& all, const Levels& levels, Estimate& out) {
   AddNotes(out);
   AddCountNote(levels.noise, levels.brightest, out);
@@ -88,6 +105,8 @@ model::Scene Estimate::ToScene() const {
   scene.reflectance = reflectance;
   for (const LightEstimate& light : lights) scene.lights.push_back(light.light);
   scene.free_colours = channels == 3 && scene.coloured();
+  scene.free_factors = scene.flickers();
+  scene.free_harmonics = !reflectance.harmonics.isZero(0.0);
   return scene;
 }
 
@@ -114,6 +133,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   const double views_per_distinct = CountViews(all, signatures, noise, estimate);
   select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
                                           options.model, estimate.ladder, options.watch.stop);
+  if (result.solution.scene.free_factors && !start.scene.free_factors && !options.warm_start)
+    result = SearchAgain(all, noise, used_map, options, views_per_distinct, estimate);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   std::optional<uncertainty::CalibrationResponse> response;
   if (calibration) {

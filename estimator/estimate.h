@@ -76,6 +76,8 @@ struct LightEstimate {
   std::optional<Eigen::Matrix3d> position_covariance;
   // Per channel, the largest 1; of the strongest light white by the gauge.
   Eigen::Vector3d colour_sigma = Eigen::Vector3d::Zero();  // 0 where it is white
+  // Of the factors; NaN in a keyframe that does not see the light. Statistical.
+  std::vector<double> factor_sigma;
   Eigen::Vector3d direction_at_reference = Eigen::Vector3d::UnitZ();
   std::optional<double> intensity_sigma;  // absent for the strongest light, which is the gauge
   // Products do not depend on the gauge: O k_d I_l (R, G, B) and k_s I_l.
@@ -94,6 +96,8 @@ struct ReflectanceSigma {
   };
   std::array<OfLobe, model::kMostLobes> lobes{};
   std::optional<double> roughness;
+  Eigen::Matrix<double, model::kHarmonics, 1> harmonics =
+      Eigen::Matrix<double, model::kHarmonics, 1>::Zero();
 };
 
 struct Note {

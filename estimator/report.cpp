@@ -46,6 +46,7 @@ void FillSigmas(const uncertainty::Uncertainty& sigma, double specular_limit, Es
   out.sigma.albedo = sigma.albedo;
   out.sigma.ambient = sigma.ambient;
   out.sigma.diffuse = sigma.diffuse;
+  out.sigma.harmonics = sigma.harmonics;
   out.ambient_product_sigma = sigma.ambient_product;
   for (std::size_t k = 0; k < model::kMostLobes; ++k) {
     const uncertainty::LobeSigma& lobe = sigma.lobes[k];
@@ -130,6 +131,8 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
         MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
                   refined.inverse_distance[order[i]], refined.inverse_distance_sigma[order[i]],
                   calibration ? sigmas.calibration.lights[i].inverse_distance : 0.0, i == 0));
+  for (std::size_t i = 0; i < sigmas.factors.size(); ++i)
+    out.lights[i].factor_sigma = sigmas.factors[i];
   FillSigmas(sigma, refined.specular_sigma, out);
   for (std::size_t i = 0; i < order.size(); ++i)
     if (!refined.near[order[i]])

@@ -103,7 +103,7 @@ int PrintConfig(const Arguments& arguments) {
 int Main(int argc, char** argv) {
   CLI::App app("Measures the estimator on many scenes");
   app.require_subcommand(1);
-  Arguments random, eight, handstart, coverage, extremes, sessions, summary, report, config;
+  Arguments random, eight, handstart, coverage, lights, extremes, sessions, summary, report, config;
   CLI::App* random_command = AddStudy(
       app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
   CLI::App* eight_command =
@@ -113,6 +113,9 @@ int Main(int argc, char** argv) {
   CLI::App* coverage_command =
       AddStudy(app, "coverage", "Random scenes, 20 draws of noise each: do the intervals hold?",
                "0:32", coverage);
+  CLI::App* lights_command = AddStudy(
+      app, "lights", "Random scenes with few lights: white, coloured, changing, in a light field",
+      "0:100", lights);
   CLI::App* extremes_command =
       app.add_subcommand("extremes", "One thing at a time taken to its extreme");
   extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");
@@ -140,6 +143,7 @@ int Main(int argc, char** argv) {
   if (*eight_command) return RunScenes("eight", EightJobs, eight);
   if (*handstart_command) return RunScenes("handstart", HandStartJobs, handstart);
   if (*coverage_command) return RunScenes("coverage", CoverageJobs, coverage);
+  if (*lights_command) return RunScenes("lights", LightJobs, lights);
   if (*extremes_command) return RunExtremes(extremes);
   if (*sessions_command) return RunSessions(sessions);
   if (*summary_command) return PrintSummary(summary);

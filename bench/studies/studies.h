@@ -34,6 +34,11 @@ std::vector<Job> HandStartJobs(Range scenes);
 // on the seed of the noise). Scene i is the first that fits of the random scenes 10 i .. 10 i + 9.
 std::vector<Job> CoverageJobs(Range scenes);
 
+// Random scenes with at most 4 lights, each of them as it is (white, constant), with colours of 0.5
+// to 1 in each channel, flickering by 5 %, warming up by 10 %, and in a light field whose
+// harmonics have 0.3 of the constant ambient light each.
+std::vector<Job> LightJobs(Range scenes);
+
 // One thing at a time taken to its extreme (extreme_cells.h).
 std::vector<Job> ExtremeJobs();
 

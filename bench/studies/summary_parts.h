@@ -34,6 +34,7 @@ std::string Breakdown(const std::vector<const Json*>& records, const std::string
 Summary SummariseSessions(const StudyFile& file);
 Summary SummariseCoverage(const StudyFile& file);
 Summary SummariseExtremes(const StudyFile& file);
+Summary SummariseLights(const StudyFile& file);
 
 // Records without "failed" and "left_out"; the others are told in `text`.
 std::vector<const Json*> Measured(const StudyFile& file, std::string& text);

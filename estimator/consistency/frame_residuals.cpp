@@ -45,8 +45,10 @@ Fit SolveFrom(const observe::Observations& solve_on, const model::Scene& from,
 
 // Starts on some pixels of all, solves on others.
 Fit FitBoth(const observe::Observations& all, const observe::Observations& start_on,
-            const observe::Observations& solve_on, const model::ModelChoice& choice,
+            const observe::Observations& solve_on, model::ModelChoice choice,
             const StopFlag* stop) {
+  // A factor would explain a frame that is odd.
+  choice.changing = false;
   const double noise = observe::EstimateNoise(all);
   const observe::IntensityMap map = observe::MakeIntensityMap(all);
   const start::Start found = start::FindStart(start_on, noise, map, std::nullopt, choice, stop);

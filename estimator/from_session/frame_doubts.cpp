@@ -44,6 +44,8 @@ void SmallCopies::Take(std::size_t keyframe, const model::Keyframe& full) {
 bool CallsForACheck(const EstimateOutput& output, const consistency::SmallViews& views,
                     const target::Geometry& geometry) {
   if (Unexplained(output.estimate.rms, output.noise) || OneStandsOut(output.frame_rms)) return true;
+  // Factors explain a frame that is darker than it should be.
+  if (output.estimate.ToScene().flickers()) return true;
   const calib::RayGrid rays(views.camera);
   std::vector<double> masks = consistency::MasksOnTarget(views, geometry, rays);
   const double least = *std::min_element(masks.begin(), masks.end());

@@ -291,7 +291,7 @@ Result<EstimateOutput> LookCloser(Loaded& loaded, const calib::RayGrid& rays,
   Chosen rest = Choose(loaded.session, Without(loaded.chosen.frames, odd));
   auto better = EstimateLoaded(loaded, rest, rays, options, stages, nullptr);
   if (better && options.residuals_of) {
-    auto maps = MapsOfLeftOut(loaded, rays, odd, better->estimate.ToScene());
+    auto maps = MapsOfLeftOut(loaded, rays, odd, model::WithoutFactors(better->estimate.ToScene()));
     if (!maps) return Forward(maps);
     better->left_out = std::move(*maps);
   }

@@ -11,8 +11,11 @@ struct ModelChoice {
   std::optional<int> lights;  // 1 to 32
   std::optional<DiffuseModel> diffuse;
   std::optional<SpecularModel> specular;
-  std::optional<bool> near;      // all lights near, or all distant
-  std::optional<bool> coloured;  // lights of their own colours, or all white
+  std::optional<bool> near;       // all lights near, or all distant
+  std::optional<bool> coloured;   // lights of their own colours, or all white
+  std::optional<int> white;       // number, from 1, of the light that is said to be white
+  std::optional<bool> changing;   // intensities of their own in each keyframe, or constant
+  std::optional<bool> harmonics;  // ambient light that depends on the normal, or constant
 };
 
 }  // namespace turnlight::estimator::model

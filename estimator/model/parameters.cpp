@@ -25,6 +25,8 @@ struct Row {
 constexpr Row kTable[] = {
     {ParameterKind::kAlbedo, "albedo", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kAmbient, "ambient", Chart::kLinear, 0.0, kInfinity, kInfinity},
+    {ParameterKind::kHarmonic, "ambient harmonic", Chart::kLinear, -kInfinity, kInfinity,
+     kInfinity},
     {ParameterKind::kDiffuse, "diffuse", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kStrength, "specular", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kShape, "", Chart::kLogarithm, 0.0, kInfinity, 1.0},
@@ -55,6 +57,8 @@ double* At(const Parameter& parameter, Scene& scene) {
       return &r.albedo[parameter.owner];
     case ParameterKind::kAmbient:
       return &r.ambient;
+    case ParameterKind::kHarmonic:
+      return &r.harmonics[parameter.owner];
     case ParameterKind::kDiffuse:
       return &r.diffuse;
     case ParameterKind::kStrength:
@@ -140,6 +144,7 @@ Parameters::Parameters(const Scene& scene, int channels)
     list_.insert(list_.end(), {{kStrength, lobe}, {kShape, lobe}});
     add_f0(lobe);
   }
+  for (int j = 0; scene.free_harmonics && j < kHarmonics; ++j) list_.push_back({kHarmonic, j});
   first_light_ = count();
   for (int l = 0; l < lights_; ++l)
     list_.insert(list_.end(),
@@ -170,6 +175,8 @@ std::string NameOf(const Parameter& parameter, const Scene& scene) {
       return FactsOf(scene.reflectance.lobes[static_cast<std::size_t>(parameter.owner)].model)
                  .shape_key +
              of_lobe;
+    case ParameterKind::kHarmonic:
+      return name + " " + number;
     case ParameterKind::kStrength:
     case ParameterKind::kF0:
       return name + of_lobe;

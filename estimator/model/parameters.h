@@ -14,6 +14,7 @@ namespace turnlight::estimator::model {
 enum class ParameterKind {
   kAlbedo,     // O of a channel
   kAmbient,    // k_a
+  kHarmonic,   // h of a spherical harmonic; the ambient light's
   kDiffuse,    // k_d
   kStrength,   // k_s of a lobe
   kShape,      // its exponent or alpha; logarithm
@@ -30,7 +31,7 @@ enum class ParameterKind {
 
 struct Parameter {
   ParameterKind kind;
-  int owner = 0;  // channel, lobe or light
+  int owner = 0;  // channel, lobe, light or harmonic
   int part = 0;   // axis of a tangent, channel of a colour
 };
 
@@ -61,6 +62,7 @@ class Parameters {
 
   int Albedo(int channel) const { return Find(ParameterKind::kAlbedo, channel); }
   int Ambient() const { return Find(ParameterKind::kAmbient); }
+  int Harmonic(int j) const { return Find(ParameterKind::kHarmonic, j); }
   int Diffuse() const { return Find(ParameterKind::kDiffuse); }
   int Strength(int lobe) const { return Find(ParameterKind::kStrength, lobe); }
   int Shape(int lobe) const { return Find(ParameterKind::kShape, lobe); }

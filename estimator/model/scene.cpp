@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimator/model/reflectance/models.h"
 #include "estimator/model/reflectance/scalar.h"
@@ -30,6 +31,25 @@ bool Scene::coloured() const {
                      [&](const Light& light) { return light.color != white; });
 }
 
+bool Scene::flickers() const {
+  return std::any_of(lights.begin(), lights.end(),
+                     [](const Light& light) { return !light.factors.empty(); });
+}
+
+Scene AtKeyframe(const Scene& scene, std::size_t keyframe) {
+  Scene out = scene;
+  for (Light& light : out.lights) {
+    if (!light.factors.empty()) light.intensity *= light.factors[keyframe];
+  }
+  return WithoutFactors(std::move(out));
+}
+
+Scene WithoutFactors(Scene scene) {
+  for (Light& light : scene.lights) light.factors.clear();
+  scene.free_factors = false;
+  return scene;
+}
+
 const reflectance::LobeFacts& FactsOf(SpecularModel model) {
   const reflectance::LobeFacts* facts = &reflectance::Phong::kFacts;
   reflectance::Lobes::Visit(static_cast<int>(model) - 1,
@@ -42,6 +62,13 @@ const reflectance::DiffuseFacts& FactsOf(DiffuseModel model) {
   reflectance::DiffuseModels::Visit(static_cast<int>(model),
                                     [&](auto diffuse) { facts = &decltype(diffuse)::kFacts; });
   return *facts;
+}
+
+double AmbientTerm(const Reflectance& r, const Eigen::Vector3d& normal) {
+  double values[kHarmonics], sum = r.ambient;
+  FillHarmonics<Numbers>(normal.x(), normal.y(), normal.z(), values);
+  for (int j = 0; j < kHarmonics; ++j) sum += r.harmonics[j] * values[j];
+  return sum;
 }
 
 double DiffuseTerm(const Reflectance& r, const Eigen::Vector3d& normal,
@@ -154,7 +181,8 @@ Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,
     for (std::size_t k = 0; k < kMostLobes && r.lobes[k].present(); ++k)
       specular[k] += irradiance * SpecularTerm(r.lobes[k], normal_W, unit, to_viewer_W);
   }
-  Eigen::Vector3d sum = r.albedo.cwiseProduct(r.ambient * r.ambient_colour + r.diffuse * diffuse);
+  Eigen::Vector3d sum =
+      r.albedo.cwiseProduct(AmbientTerm(r, normal_W) * r.ambient_colour + r.diffuse * diffuse);
   for (std::size_t k = 0; k < kMostLobes; ++k)
     sum += r.lobes[k].strength * r.specular_colour.cwiseProduct(specular[k]);
   return sum;

@@ -1,8 +1,9 @@
 // The scene model (design, section 3): lights, reflectance, and what they make a surface point look
 // like. Plain values.
 //
-//   S_c(x) = O_c * ( k_a A_c + k_d * sum_l I_l C_lc a_l(x) f_d )
+//   S_c(x) = O_c * ( k_a(n) A_c + k_d * sum_l I_l C_lc a_l(x) f_d )
 //          + s_c * sum_k k_s,k * sum_l I_l C_lc a_l(x) f_s,k,
+//   k_a(n) = k_a + sum_j h_j Y_j(n)
 //   l ~ u_l - rho_l x,   a_l(x) = 1 / |u_l - rho_l x|^2
 //
 // x is relative to W's origin, in the session's length unit.
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "estimator/model/reflectance/terms.h"
+#include "estimator/model/spherical_harmonics.h"
 
 namespace turnlight::estimator::model {
 
@@ -25,6 +27,9 @@ struct Light {
   double inverse_distance = 0.0;                         // rho >= 0, 1 / length unit
   double intensity = 1.0;                                // irradiance at W's origin, >= 0
   Eigen::Vector3d color = Eigen::Vector3d::Ones();       // R, G, B; multiplies the intensity
+  // What multiplies the intensity in each keyframe, >= 0, mean 1 over those that see the light;
+  // empty: 1 in all.
+  std::vector<double> factors{};
 
   // u - rho x: from x towards the light; its length is that from x over that from the origin.
   Eigen::Vector3d Toward(const Eigen::Vector3d& x) const {
@@ -61,7 +66,9 @@ inline constexpr std::size_t kMostLobes = 2;
 struct Reflectance {
   Eigen::Vector3d albedo = Eigen::Vector3d::Ones();  // O, R G B
   double ambient = 0.0;                              // k_a
-  double diffuse = 1.0;                              // k_d
+  // h: how the ambient light depends on the normal, by spherical_harmonics.h; 0: not at all.
+  Eigen::Matrix<double, kHarmonics, 1> harmonics = Eigen::Matrix<double, kHarmonics, 1>::Zero();
+  double diffuse = 1.0;  // k_d
   DiffuseModel diffuse_model = DiffuseModel::kLambert;
   double roughness = 0.0;  // Oren-Nayar's sigma, radians of facet slope; 0 is Lambert
   // Of the ambient light and of what the lobes reflect, R G B, the largest 1: white unless lights
@@ -79,11 +86,26 @@ struct Scene {
   // they stand. Pictures tell them up to one colour, which the strongest light is said to have:
   // white (see uncertainty/reported.h).
   bool free_colours = false;
+  // Which light is said to be white where colours are fitted: of those in the order of their
+  // strength the one with this index.
+  std::size_t white_light = 0;
+  // For a fit: the lights' factors are unknowns (see solve/frame_factors.h), and the ambient
+  // light's harmonics are.
+  bool free_factors = false, free_harmonics = false;
 
   // Whether any colour but the albedo is not white.
   bool coloured() const;
+  // Whether any light changes from keyframe to keyframe.
+  bool flickers() const;
 };
 
+// The scene as one keyframe sees it: intensities times their factors there, and no factors.
+Scene AtKeyframe(const Scene& scene, std::size_t keyframe);
+// The same scene under constant lights.
+Scene WithoutFactors(Scene scene);
+
+// k_a(n) for a unit normal.
+double AmbientTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal);
 // f_d of the diffuse model for unit vectors; 0 where the light is below the surface.
 double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
                    const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);

@@ -48,6 +48,10 @@ struct Observations {
   // residuals are in radiance still. The reference is the median pixel's.
   bool weighted = false;
   std::vector<float> variance, weight;
+  // Of each pixel, bit c: its radiance in channel c is at white, so that it was this or more; the
+  // residual there is one-sided. Empty: no pixel's is.
+  bool one_sided = false;
+  std::vector<std::uint8_t> at_white;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
 
   // Only where the target can shadow itself: what it takes to cast shadows on it.
@@ -64,7 +68,7 @@ struct Observations {
   std::size_t used = 0;  // pixels that are not filling
 
   static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
-  // So many entries, all of them filling. channels, caster and weighted must be set.
+  // So many entries, all of them filling. channels, caster, weighted and one_sided must be set.
   void Resize(std::size_t size);
   double WeightOf(std::size_t i) const {
     return weight.empty() ? 1.0 : static_cast<double>(weight[i]);
@@ -96,6 +100,7 @@ void ForEachOwnPlane(const Body& body, First& first, Rest&... rest) {
   body(Observations::kNoPixel, first.pixel, rest.pixel...);
   if (first.caster != nullptr) body(0u, first.keyframe, rest.keyframe...);
   if (first.weighted) body(0.0f, first.variance, rest.variance...);
+  if (first.one_sided) body(std::uint8_t{0}, first.at_white, rest.at_white...);
 }
 
 // All planes: also those that depend on the other pixels, the position about the reference and the

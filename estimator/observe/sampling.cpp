@@ -23,28 +23,51 @@ std::vector<float> RowGradient(const Observations& all) {
   return gradient;
 }
 
-// The pixels at these places, in one run of tiles.
-Observations Picked(const Observations& all, const std::vector<std::size_t>& picked) {
+constexpr std::size_t kFilling = static_cast<std::size_t>(-1);
+
+// Where each pixel of a subset comes from, whole tiles for each keyframe; kFilling for none.
+std::vector<std::size_t> ByKeyframe(const Observations& all, const std::vector<std::size_t>& picked,
+                                    std::vector<std::size_t>& tile_begin) {
+  std::vector<std::size_t> from;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k + 1 < all.tile_begin.size(); ++k) {
+    while (next < picked.size() && picked[next] / kTile < all.tile_begin[k + 1])
+      from.push_back(picked[next++]);
+    from.resize((from.size() + kTile - 1) / kTile * kTile, kFilling);
+    tile_begin.push_back(from.size() / kTile);
+  }
+  return from;
+}
+
+// The pixels at these places.
+Observations Picked(const Observations& all, std::vector<std::size_t> picked, bool by_keyframe) {
   Observations out;
   out.channels = all.channels;
   out.reference = all.reference;
   out.radius = all.radius;
   out.radiance_unit = all.radiance_unit;
   out.weighted = all.weighted;
+  out.one_sided = all.one_sided;
   out.caster = all.caster;
   out.width = all.width;
   out.X_TW = all.X_TW;
   out.subsampled = true;
   out.used = picked.size();
-  out.tile_begin.push_back((picked.size() + kTile - 1) / kTile);
+  if (by_keyframe)
+    picked = ByKeyframe(all, picked, out.tile_begin);
+  else
+    out.tile_begin.push_back((picked.size() + kTile - 1) / kTile);
   out.Resize(out.tile_begin.back() * kTile);
   const auto gather = [&picked](auto, const auto& from, auto& to) {
-    for (std::size_t i = 0; i < picked.size(); ++i) to[i] = from[picked[i]];
+    for (std::size_t i = 0; i < picked.size(); ++i)
+      if (picked[i] != kFilling) to[i] = from[picked[i]];
   };
   ForEachPlane(gather, all, out);
-  for (std::size_t i = 0; i < picked.size(); ++i)
+  for (std::size_t i = 0; i < picked.size(); ++i) {
+    if (picked[i] == kFilling) continue;
     out.tile_footprint[i / kTile] =
         std::max(out.tile_footprint[i / kTile], all.tile_footprint[picked[i] / kTile]);
+  }
   return out;
 }
 
@@ -65,7 +88,8 @@ std::vector<std::size_t> PickEvenly(const Observations& all, std::size_t count, 
 
 }  // namespace
 
-Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed) {
+Observations Subsample(const Observations& all, std::size_t count, std::uint64_t seed,
+                       bool by_keyframe) {
   const std::vector<float> gradient = RowGradient(all);
   double mean = 0.0;
   for (const float value : gradient) mean += value;
@@ -82,21 +106,24 @@ Observations Subsample(const Observations& all, std::size_t count, std::uint64_t
     if (all.pixel[i] != Observations::kNoPixel &&
         random.Uniform(i) * total < weight(i) * static_cast<double>(count))
       picked.push_back(i);
-  return Picked(all, picked);
+  return Picked(all, picked, by_keyframe);
 }
 
 Observations EvenSubsample(const Observations& all, std::size_t count, std::uint64_t seed,
-                           const std::vector<std::uint8_t>* usable) {
-  return Picked(all, PickEvenly(all, count, seed, usable));
+                           const std::vector<std::uint8_t>* usable, bool by_keyframe) {
+  return Picked(all, PickEvenly(all, count, seed, usable), by_keyframe);
 }
 
 PixelSample SampleOfKeyframes(const Observations& all, std::size_t count, std::uint64_t seed,
-                              const std::vector<std::uint8_t>* usable) {
-  const std::vector<std::size_t> picked = PickEvenly(all, count, seed, usable);
-  PixelSample out{Picked(all, picked), {}};
+                              const std::vector<std::uint8_t>* usable, bool by_keyframe) {
+  std::vector<std::size_t> picked = PickEvenly(all, count, seed, usable);
+  PixelSample out{Picked(all, picked, by_keyframe), {}};
   out.keyframe.assign(out.pixels.size(), 0);
+  std::vector<std::size_t> tile_begin;
+  if (by_keyframe) picked = ByKeyframe(all, picked, tile_begin);
   std::uint32_t keyframe = 0;
   for (std::size_t i = 0; i < picked.size(); ++i) {
+    if (picked[i] == kFilling) continue;
     while (picked[i] / kTile >= all.tile_begin[keyframe + 1]) ++keyframe;
     out.keyframe[i] = keyframe;
   }

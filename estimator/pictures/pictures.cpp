@@ -129,11 +129,14 @@ Status AddComparisons(const model::KeyframeSource& keyframes, const std::vector<
                       std::vector<NamedPicture>& pictures) {
   const calib::RayGrid rays(camera);
   const int samples = enlarge > 1 ? 6 : 4;  // enlarging shows the steps of an edge
+  std::vector<model::Scene> scenes;
+  for (const std::size_t i : shown) scenes.push_back(model::AtKeyframe(scene, i));
   std::vector<PictureView> views;
   views.reserve(shown.size());
-  for (const std::size_t i : shown)
-    views.push_back(
-        {scene, geometry, camera, rays, keyframes.poses[i].X_WC, keyframes.poses[i].X_WT, samples});
+  for (std::size_t v = 0; v < shown.size(); ++v) {
+    const calib::RigPoses& poses = keyframes.poses[shown[v]];
+    views.push_back({scenes[v], geometry, camera, rays, poses.X_WC, poses.X_WT, samples});
+  }
   const std::vector<VirtualSphere> spheres = PlaceSpheres(views);
   std::vector<Panels> panels;
   for (std::size_t i = 0; i < shown.size(); ++i) {

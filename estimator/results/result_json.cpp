@@ -33,6 +33,16 @@ ordered_json ToJson(const Eigen::Matrix3d& m) {
   return rows;
 }
 
+ordered_json ToJson(const std::vector<double>& values) {
+  ordered_json list = ordered_json::array();
+  for (const double value : values) list.push_back(ToJson(value));
+  return list;
+}
+
+ordered_json ToJson(const Eigen::Matrix<double, model::kHarmonics, 1>& values) {
+  return ToJson(std::vector<double>(values.begin(), values.end()));
+}
+
 template <typename T>
 ordered_json ToJson(const std::optional<T>& value) {
   return value ? ToJson(*value) : ordered_json(nullptr);
@@ -156,6 +166,10 @@ ordered_json LightToJson(const LightEstimate& estimate, const uncertainty::Light
     json["color"] = ToJson(estimate.light.color);
     json["color_sigma"] = ToJson(estimate.colour_sigma);
   }
+  if (!estimate.light.factors.empty()) {
+    json["factors"] = ToJson(estimate.light.factors);
+    json["factors_sigma"] = ToJson(estimate.factor_sigma);
+  }
   if (stat == nullptr) return json;
   // The statistical part of the sigmas above.
   json["stat"] = ordered_json{
@@ -178,6 +192,8 @@ ordered_json SigmaToJson(const Estimate& estimate, const ReflectanceSigma& sigma
   if (IsOrenNayar(estimate))
     json["roughness_deg"] =
         sigma.roughness ? ToJson(RadToDeg(*sigma.roughness)) : ordered_json(nullptr);
+  if (!estimate.reflectance.harmonics.isZero(0.0))
+    json["ambient_harmonics"] = ToJson(sigma.harmonics);
   return json;
 }
 
@@ -243,11 +259,13 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
     json["ambient_color"] = ToJson(reflectance.ambient_colour);
   if (reflectance.specular_colour != white && HasLobe(estimate))
     json["specular_color"] = ToJson(reflectance.specular_colour);
+  if (!reflectance.harmonics.isZero(0.0)) json["ambient_harmonics"] = ToJson(reflectance.harmonics);
   if (NeedsLobeList(reflectance)) json["lobes"] = LobesToJson(estimate);
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
   const uncertainty::Uncertainty& stat = estimate.stat;
   if (!estimate.has_sigmas) return json;
-  ReflectanceSigma of_noise{stat.albedo, stat.ambient, stat.diffuse, {}, stat.roughness};
+  ReflectanceSigma of_noise{stat.albedo, stat.ambient, stat.diffuse, {}, stat.roughness, {}};
+  of_noise.harmonics = stat.harmonics;
   of_noise.lobes[0] = {stat.lobes[0].strength, stat.lobes[0].shape, std::nullopt};
   json["sigma"]["stat"] = SigmaToJson(estimate, of_noise);
   json["sigma"]["budget"] = ReflectanceBudget(estimate);

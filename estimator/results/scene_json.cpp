@@ -117,6 +117,8 @@ Result<LightRead> ReadLight(StrictObject object, Purpose purpose, bool from_resu
   read.has_intensity = intensity.has_value();
   if (const auto color = object.OptionalNumbers("color", 3, {.min = 0.0}))
     read.light.color = ToVector(*color);
+  if (object.Has("factors"))
+    read.light.factors = object.Numbers("factors", object.Raw("factors").size(), {.min = 0.0});
   object.AllowPrefix("x-");
   if (Status status = object.Finish(); !status) return Forward(status);
   return read;
@@ -199,7 +201,14 @@ std::array<Lobe, model::kMostLobes> LobesOf(StrictObject& object, SpecularModel 
   return lobes;
 }
 
+void ReadHarmonics(StrictObject& object, Reflectance& reflectance) {
+  const auto numbers = object.OptionalNumbers("ambient_harmonics", model::kHarmonics);
+  for (std::size_t j = 0; numbers && j < numbers->size(); ++j)
+    reflectance.harmonics[static_cast<Eigen::Index>(j)] = (*numbers)[j];
+}
+
 void ReadColours(StrictObject& object, Reflectance& reflectance) {
+  ReadHarmonics(object, reflectance);
   if (const auto colour = object.OptionalNumbers("ambient_color", 3, {.min = 0.0}))
     reflectance.ambient_colour = ToVector(*colour);
   if (const auto colour = object.OptionalNumbers("specular_color", 3, {.min = 0.0}))
@@ -295,6 +304,7 @@ nlohmann::ordered_json TruthLight(const Light& light) {
   json["inverse_distance"] = light.inverse_distance;
   json["intensity"] = light.intensity;
   if (light.color != Eigen::Vector3d::Ones()) json["color"] = VectorToJson(light.color);
+  if (!light.factors.empty()) json["factors"] = light.factors;
   return json;
 }
 
@@ -380,6 +390,8 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   if (listed) out["lobes"] = LobeList(r);
   const Eigen::Vector3d white = Eigen::Vector3d::Ones();
   if (r.ambient_colour != white) out["ambient_color"] = VectorToJson(r.ambient_colour);
+  if (!r.harmonics.isZero(0.0))
+    out["ambient_harmonics"] = std::vector<double>(r.harmonics.begin(), r.harmonics.end());
   if (r.specular_colour != white) out["specular_color"] = VectorToJson(r.specular_colour);
   if (r.diffuse_model != DiffuseModel::kLambert) out["diffuse_model"] = WordOf(r.diffuse_model);
   if (model::FactsOf(r.diffuse_model).has_shape) out["roughness_deg"] = RadToDeg(r.roughness);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/format.h"
 #include "base/statistics.h"
+#include "estimator/select/ambient_rung.h"
+#include "estimator/select/intensity_rung.h"
 #include "estimator/solve/prediction.h"
-#include "estimator/solve/settled_solve.h"
 #include "estimator/uncertainty/reported.h"
 #include "estimator/uncertainty/uncertainty.h"
 
@@ -15,10 +17,8 @@ namespace {
 
 constexpr double kMinSpecularPeak = 0.003;    // of white
 constexpr double kMinInverseDistance = 5e-4;  // rho R
-constexpr double kSignificance = 3.0;
 constexpr double kMinColour = 0.005;
 constexpr double kFirstF0 = 0.5, kKnownF0 = 0.2;
-constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
 constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual
 
 // The median absolute residual as a sigma.
@@ -34,24 +34,6 @@ double RobustSigma(const observe::Observations& all, const model::Scene& scene,
         residuals.push_back((all.weight.empty() ? 1.0f : all.weight[i]) *
                             std::abs(model[static_cast<std::size_t>(c)][i] - all.radiance[c][i]));
   return static_cast<double>(Median(residuals)) / kMedianOfNormal;
-}
-
-double Rms(const observe::Observations& all, const solve::Solution& solution) {
-  return std::sqrt(2.0 * solution.equations.cost / solve::ValueCount(all, solution.evaluate));
-}
-
-constexpr int kRounds = 3;  // of footprints and shadows
-
-// Solves on from the scene and with the options of `out`; its splits are then out of date.
-void SolveOn(const observe::Observations& observations, Refined& out) {
-  out.solution = solve::SolveSettled(observations, out.solution.scene, out.options, kRounds,
-                                     out.solution.evaluate.shadows);
-  out.options.evaluate = out.solution.evaluate;
-  out.iterations += out.solution.iterations;
-  // A solve begins where the last one ended.
-  const std::vector<double>& costs = out.solution.cost_history;
-  out.cost_history.insert(out.cost_history.end(),
-                          costs.begin() + (out.cost_history.empty() ? 0 : 1), costs.end());
 }
 
 // Where the residual is mere noise, squares are the best there is. Where it is more, what is left
@@ -221,6 +203,15 @@ void ChooseDistances(const observe::Observations& observations, const model::Mod
   out.splits = uncertainty::SplitResiduals(observations, out.solution);
 }
 
+model::Scene AsChosen(model::Scene scene, const model::ModelChoice& choice) {
+  if (choice.changing == false) scene = model::WithoutFactors(std::move(scene));
+  if (choice.changing == true) scene.free_factors = true;
+  scene.white_light = static_cast<std::size_t>(choice.white.value_or(1) - 1);
+  if (choice.harmonics == false) scene.reflectance.harmonics.setZero();
+  scene.free_harmonics = choice.harmonics.value_or(scene.free_harmonics);
+  return scene;
+}
+
 }  // namespace
 
 Refined Refine(const observe::Observations& observations, const model::Scene& start, double noise,
@@ -229,8 +220,10 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
   Refined out;
   out.options.stop = stop;
   out.views_per_distinct = views_per_distinct;
-  out.solution.scene = start;
+  out.solution.scene = AsChosen(start, choice);
   SolveOn(observations, out);
+  if (StopRequested(stop)) return out;
+  ChooseIntensities(observations, noise, choice, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseLoss(observations, noise, out, ladder);
   if (StopRequested(stop)) return out;
@@ -244,6 +237,8 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
   ChooseColours(observations, choice, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseFresnel(observations, out, ladder);
+  if (StopRequested(stop)) return out;
+  ChooseHarmonics(observations, choice, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseDistances(observations, choice, out, ladder);
   return out;

@@ -6,6 +6,7 @@ namespace {
 // What the picture is linear in.
 void Scale(model::Reflectance& reflectance, double by) {
   reflectance.ambient *= by;
+  reflectance.harmonics *= by;
   reflectance.diffuse *= by;
   for (model::Lobe& lobe : reflectance.lobes) lobe.strength *= by;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "estimator/observe/observations.h"
@@ -9,6 +10,8 @@
 #include "estimator/solve/shadows.h"
 
 namespace turnlight::estimator::solve {
+
+struct FrameFactors;
 
 struct EvaluateOptions {
   // Sub-samples per side of a pixel's footprint for the highlight, one per tile; empty: 1
@@ -22,6 +25,9 @@ struct EvaluateOptions {
   double huber = 0.0;
   // Cost and gradient are enough: the hessian is left without meaning.
   bool gradient_only = false;
+  // Free factors are to follow the other parameters as in an elimination before: for parts of the
+  // observations, at the solution of the whole.
+  std::shared_ptr<const FrameFactors> factors;
 };
 
 // How many values, pixels times channels, a cost is a sum over.

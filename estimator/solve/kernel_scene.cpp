@@ -17,6 +17,7 @@ using kernel::KernelPixels;
 
 static_assert(kernel::kNoPixel == observe::Observations::kNoPixel, "filled up with the same");
 static_assert(kernel::kMostLobes == model::kMostLobes, "as many lobes");
+static_assert(kernel::kHarmonics == model::kHarmonics, "as many harmonics");
 static_assert(kernel::kDiffuseConstants == model::reflectance::kDiffuseConstants, "as many");
 static_assert(kernel::kTilePixels == observe::kTile,
               "a tile of observations is a tile of the kernel");
@@ -77,7 +78,10 @@ void FillReflectance(const model::Reflectance& r, const model::Parameters& param
   model::reflectance::DiffuseModels::Visit(model.diffuse_model, [&](auto diffuse) {
     decltype(diffuse)::FillConstants(r.roughness, model.diffuse_constants);
   });
+  model.harmonics = parameters.Harmonic(0) >= 0 || !r.harmonics.isZero(0.0);
+  for (int j = 0; j < kernel::kHarmonics; ++j) model.harmonic[j] = r.harmonics[j];
   model.ambient_row = row(parameters.Ambient());
+  model.harmonics_row = row(parameters.Harmonic(0));
   model.diffuse_row = row(parameters.Diffuse());
   model.roughness_row = row(parameters.Roughness());
   model.first_light_row = parameters.FirstLight() - parameters.channels();
@@ -97,8 +101,9 @@ void FillReflectance(const model::Reflectance& r, const model::Parameters& param
 }  // namespace
 
 KernelScene::KernelScene(const observe::Observations& observations, const model::Scene& scene,
-                         const EvaluateOptions& options, int channel) {
-  const bool all = channel == kAllChannels;
+                         const EvaluateOptions& options, const Part& part) {
+  const int channel = part.channel;
+  const bool all = channel == kAll;
   for (const model::Light& light : scene.lights) {
     const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
     kernel::KernelLight& out = lights.emplace_back();
@@ -109,6 +114,8 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
     }
     out.inverse_distance = light.inverse_distance;
     out.intensity = all ? light.intensity : light.intensity * light.color[channel];
+    if (part.keyframe != kAll && !light.factors.empty())
+      out.intensity *= light.factors[static_cast<std::size_t>(part.keyframe)];
   }
   const model::Reflectance& r = scene.reflectance;
   model.channels = all ? observations.channels : 1;
@@ -124,10 +131,12 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
   FillReflectance(r, model::Parameters(scene, model.channels), model);
   if (!all) {
     model.ambient *= r.ambient_colour[channel];
+    for (double& harmonic : model.harmonic) harmonic *= r.ambient_colour[channel];
     for (int k = 0; k < model.lobes; ++k) model.lobe[k].strength *= r.specular_colour[channel];
   }
   model.huber = options.huber;
   model.weighted = !observations.weight.empty();
+  model.channel_bit = all ? 0 : channel;
   model.gradient_only = options.gradient_only;
   FillQuadrature(options.aperture, model);
   model.l11 = std::sqrt(std::max(square, 1e-30));
@@ -136,11 +145,33 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
   model.l22 = rest > 1e-12 ? std::sqrt(rest) : 0.0;
 }
 
-std::vector<int> ChannelsOf(const model::Scene& scene, int channels) {
-  if (!(scene.free_colours || scene.coloured()) || channels == 1) return {kAllChannels};
-  std::vector<int> list;
-  for (int c = 0; c < channels; ++c) list.push_back(c);
-  return list;
+std::vector<Part> PartsOf(const model::Scene& scene, const observe::Observations& observations) {
+  const bool by_channel = (scene.free_colours || scene.coloured() || observations.one_sided) &&
+                          observations.channels > 1;
+  const bool by_keyframe = scene.free_factors || scene.flickers();
+  const int keyframes = by_keyframe ? static_cast<int>(observations.tile_begin.size()) - 1 : 1;
+  std::vector<Part> parts;
+  for (int k = 0; k < keyframes; ++k)
+    for (int c = 0; c < (by_channel ? observations.channels : 1); ++c) {
+      Part& part = parts.emplace_back(Part{by_channel ? c : kAll, kAll, 0, observations.tiles()});
+      if (!by_keyframe) continue;
+      const auto at = static_cast<std::size_t>(k);
+      part.keyframe = k;
+      part.first = observations.tile_begin[at];
+      part.tiles = observations.tile_begin[at + 1] - part.first;
+    }
+  return parts;
+}
+
+KernelScenes::KernelScenes(const observe::Observations& observations, const model::Scene& scene,
+                           const EvaluateOptions& options)
+    : parts(PartsOf(scene, observations)) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    scenes.emplace_back(observations, scene, options, parts[p]);
+    const Chunks chunks(parts[p].tiles);
+    for (std::size_t i = 0; i < chunks.count(); ++i)
+      pieces.push_back({p, parts[p].first + chunks.First(i), chunks.Tiles(i)});
+  }
 }
 
 // One chunk's arrays. lit: room for a pointer for each light.
@@ -159,13 +190,14 @@ KernelPixels PixelsOf(const observe::Observations& all, const EvaluateOptions& o
     pixels.mirrored[k] = all.mirrored[k].data() + at;
     pixels.radiance[k] = k < all.channels ? all.radiance[k].data() + at : nullptr;
   }
-  if (channel != kAllChannels) pixels.radiance[0] = pixels.radiance[channel];
+  if (channel != kAll) pixels.radiance[0] = pixels.radiance[channel];
   for (int k = 0; k < 6; ++k) {
     pixels.footprint[k] = all.footprint[k].data() + at;
     pixels.step[k] = all.step[k].data() + at;
   }
   pixels.pixel = all.pixel.data() + at;
   pixels.weight = all.weight.empty() ? nullptr : all.weight.data() + at;
+  pixels.at_white = all.at_white.empty() ? nullptr : all.at_white.data() + at;
   pixels.samples =
       options.samples_per_side.empty() ? nullptr : options.samples_per_side.data() + tile;
   pixels.tiles = tiles;

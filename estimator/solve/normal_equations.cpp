@@ -1,9 +1,11 @@
 #include "estimator/solve/normal_equations.h"
 
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "base/parallel.h"
+#include "estimator/solve/frame_factors.h"
 #include "estimator/solve/kernel_scene.h"
 
 namespace turnlight::estimator::solve {
@@ -53,74 +55,119 @@ NormalEquations Assemble(const KernelModel& model, const KernelSums& sums) {
   return out;
 }
 
-// What one channel's columns are of the scene's, by the chain rule: what the channel takes for the
-// strength of a light, of ambient light or of a lobe is that strength times a colour.
-Eigen::MatrixXd MapOf(const model::Scene& scene, const model::Parameters& parameters, int rows,
-                      int channel) {
-  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(1 + rows, parameters.count());
-  map(0, parameters.Albedo(channel)) = 1.0;
-  for (int row = 0; row < rows; ++row) map(1 + row, parameters.channels() + row) = 1.0;
-  for (int l = 0; l < parameters.lights(); ++l) {
+// What a part's columns are of the scene's, by the chain rule: what it takes for the strength of a
+// light, of ambient light or of a lobe is that strength times a colour and a factor. After the
+// scene's columns come, where the factors are unknowns, those of its keyframe.
+Eigen::MatrixXd MapOf(const model::Scene& scene, const model::Parameters& parameters,
+                      const Part& part, const KernelModel& model) {
+  const bool all = part.channel == kAll;
+  const int albedos = model.channels, lights = parameters.lights();
+  const int factors = scene.free_factors ? lights : 0;
+  Eigen::MatrixXd map =
+      Eigen::MatrixXd::Zero(albedos + model.Shared(), parameters.count() + factors);
+  for (int c = 0; c < albedos; ++c) map(c, parameters.Albedo(all ? c : part.channel)) = 1.0;
+  const auto row = [&](int column) { return albedos + column - parameters.channels(); };
+  for (int i = 0; i < model.Shared(); ++i) map(albedos + i, parameters.channels() + i) = 1.0;
+  const auto colour = [&](const Eigen::Vector3d& of) { return all ? 1.0 : of[part.channel]; };
+  for (int l = 0; l < lights; ++l) {
     const model::Light& light = scene.lights[static_cast<std::size_t>(l)];
-    const int row = 1 + parameters.Intensity(l) - parameters.channels();
-    map(row, parameters.Intensity(l)) = light.color[channel];
-    if (const int colour = parameters.Colour(l, channel); colour >= 0)
-      map(row, colour) = light.intensity;
+    const int at = row(parameters.Intensity(l));
+    const double factor = part.keyframe == kAll || light.factors.empty()
+                              ? 1.0
+                              : light.factors[static_cast<std::size_t>(part.keyframe)];
+    map(at, parameters.Intensity(l)) = colour(light.color) * factor;
+    if (const int column = all ? -1 : parameters.Colour(l, part.channel); column >= 0)
+      map(at, column) = light.intensity * factor;
+    if (factors > 0) map(at, parameters.count() + l) = colour(light.color) * light.intensity;
   }
+  if (all) return map;
   const model::Reflectance& r = scene.reflectance;
-  const auto row = [&](int column) { return 1 + column - parameters.channels(); };
-  map(row(parameters.Ambient()), parameters.Ambient()) = r.ambient_colour[channel];
-  if (const int colour = parameters.AmbientColour(channel); colour >= 0)
-    map(row(parameters.Ambient()), colour) = r.ambient;
+  const auto ambient = [&](int column, double strength) {
+    map(row(column), column) = r.ambient_colour[part.channel];
+    if (const int by = parameters.AmbientColour(part.channel); by >= 0)
+      map(row(column), by) = strength;
+  };
+  ambient(parameters.Ambient(), r.ambient);
+  for (int j = 0; parameters.Harmonic(0) >= 0 && j < model::kHarmonics; ++j)
+    ambient(parameters.Harmonic(j), r.harmonics[j]);
   for (int k = 0; k < parameters.lobes(); ++k) {
     const int strength = parameters.Strength(k);
-    map(row(strength), strength) = r.specular_colour[channel];
-    if (const int colour = parameters.SpecularColour(channel); colour >= 0)
-      map(row(strength), colour) = r.lobes[static_cast<std::size_t>(k)].strength;
+    map(row(strength), strength) = r.specular_colour[part.channel];
+    if (const int by = parameters.SpecularColour(part.channel); by >= 0)
+      map(row(strength), by) = r.lobes[static_cast<std::size_t>(k)].strength;
   }
   return map;
 }
 
+bool IsWhole(const Part& part) { return part.channel == kAll && part.keyframe == kAll; }
+
+void AddTo(NormalEquations& sum, NormalEquations part) {
+  if (sum.gradient.size() == 0) {
+    sum = std::move(part);
+    return;
+  }
+  sum.hessian += part.hessian;
+  sum.gradient += part.gradient;
+  sum.cost += part.cost;
+}
+
+// Of each part, by the columns of the scene and its keyframe's factors.
 template <typename Real, typename Function>
-NormalEquations EvaluateChannel(const observe::Observations& observations,
-                                const model::Scene& scene, const EvaluateOptions& options,
-                                int channel, Function accumulate) {
-  const KernelScene kernel_scene(observations, scene, options, channel);
-  const int n = kernel_scene.model.Shared();
-  const Chunks chunks(observations.tiles());
-  std::vector<ChunkSums> parts;
-  parts.reserve(chunks.count());
-  for (std::size_t i = 0; i < chunks.count(); ++i) parts.emplace_back(n);
-  ParallelFor(chunks.count(), [&](std::size_t chunk) {
-    const std::size_t first = chunks.First(chunk), tiles = chunks.Tiles(chunk);
-    std::vector<Real> workspace(kernel::WorkspaceSize(n));
+std::vector<NormalEquations> EvaluateParts(const observe::Observations& observations,
+                                           const model::Scene& scene,
+                                           const EvaluateOptions& options,
+                                           const KernelScenes& scenes, Function accumulate) {
+  std::vector<ChunkSums> sums;
+  sums.reserve(scenes.pieces.size());
+  for (const KernelScenes::Piece& piece : scenes.pieces)
+    sums.emplace_back(scenes.scenes[piece.part].model.Shared());
+  ParallelFor(scenes.pieces.size(), [&](std::size_t i) {
+    const KernelScenes::Piece& piece = scenes.pieces[i];
+    const KernelModel& model = scenes.scenes[piece.part].model;
+    std::vector<Real> workspace(kernel::WorkspaceSize(model.Shared()));
     std::vector<const std::uint8_t*> lit;
-    accumulate(kernel_scene.model, PixelsOf(observations, options, first, tiles, channel, lit),
-               workspace.data(), parts[chunk].sums);
+    accumulate(model,
+               PixelsOf(observations, options, piece.first, piece.tiles,
+                        scenes.parts[piece.part].channel, lit),
+               workspace.data(), sums[i].sums);
   });
-  ChunkSums total(n);
-  for (const ChunkSums& part : parts) total.Add(part, kernel_scene.model.channels);
-  NormalEquations out = Assemble(kernel_scene.model, total.sums);
-  if (channel == kAllChannels) return out;
-  const Eigen::MatrixXd map =
-      MapOf(scene, model::Parameters(scene, observations.channels), n, channel);
-  return {map.transpose() * out.hessian * map, map.transpose() * out.gradient, out.cost};
+  const model::Parameters parameters(scene, observations.channels);
+  std::vector<NormalEquations> out;
+  std::size_t piece = 0;
+  for (std::size_t p = 0; p < scenes.parts.size(); ++p) {
+    const KernelModel& model = scenes.scenes[p].model;
+    ChunkSums total(model.Shared());
+    for (; piece < sums.size() && scenes.pieces[piece].part == p; ++piece)
+      total.Add(sums[piece], model.channels);
+    NormalEquations& part = out.emplace_back(Assemble(model, total.sums));
+    if (IsWhole(scenes.parts[p])) continue;
+    const Eigen::MatrixXd map = MapOf(scene, parameters, scenes.parts[p], model);
+    part.hessian = map.transpose() * part.hessian * map;
+    part.gradient = map.transpose() * part.gradient;
+  }
+  return out;
 }
 
 template <typename Real, typename Function>
 NormalEquations EvaluateWith(const observe::Observations& observations, const model::Scene& scene,
-                             const EvaluateOptions& options, Function accumulate) {
+                             EvaluateOptions options, Function accumulate) {
+  // To eliminate factors takes the matrices.
+  if (scene.free_factors && !options.factors) options.gradient_only = false;
+  const KernelScenes scenes(observations, scene, options);
+  auto parts = EvaluateParts<Real>(observations, scene, options, scenes, accumulate);
   NormalEquations sum;
-  for (const int channel : ChannelsOf(scene, observations.channels)) {
-    NormalEquations of = EvaluateChannel<Real>(observations, scene, options, channel, accumulate);
-    if (sum.gradient.size() == 0) {
-      sum = std::move(of);
-      continue;
-    }
-    sum.hessian += of.hessian;
-    sum.gradient += of.gradient;
-    sum.cost += of.cost;
+  if (!scene.free_factors) {
+    for (NormalEquations& part : parts) AddTo(sum, std::move(part));
+    return sum;
   }
+  std::vector<NormalEquations> keyframes(observations.tile_begin.size() - 1);
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    AddTo(keyframes[static_cast<std::size_t>(scenes.parts[p].keyframe)], std::move(parts[p]));
+  const int shared = model::Parameters(scene, observations.channels).count();
+  sum.factors = options.factors
+                    ? options.factors
+                    : std::make_shared<const FrameFactors>(EliminateFactors(keyframes, shared));
+  for (std::size_t k = 0; k < keyframes.size(); ++k) AddReduced(*sum.factors, k, keyframes[k], sum);
   return sum;
 }
 
@@ -135,24 +182,27 @@ Eigen::MatrixXd TileGradients(const observe::Observations& observations, const m
                               const EvaluateOptions& options) {
   EvaluateOptions gradient_only = options;
   gradient_only.gradient_only = true;
+  const KernelScenes scenes(observations, scene, gradient_only);
   const model::Parameters parameters(scene, observations.channels);
   Eigen::MatrixXd out =
       Eigen::MatrixXd::Zero(parameters.count(), static_cast<Eigen::Index>(observations.tiles()));
-  for (const int channel : ChannelsOf(scene, observations.channels)) {
-    const KernelScene kernel_scene(observations, scene, gradient_only, channel);
-    const int n = kernel_scene.model.Shared();
+  for (std::size_t p = 0; p < scenes.parts.size(); ++p) {
+    const Part& part = scenes.parts[p];
+    const KernelModel& model = scenes.scenes[p].model;
     Eigen::MatrixXd map;
-    if (channel != kAllChannels) map = MapOf(scene, parameters, n, channel);
-    ParallelFor(observations.tiles(), [&](std::size_t tile) {
-      std::vector<float> workspace(kernel::WorkspaceSize(n));
+    if (!IsWhole(part)) map = MapOf(scene, parameters, part, model);
+    if (scene.free_factors)
+      map = map * options.factors->Substitution(static_cast<std::size_t>(part.keyframe));
+    ParallelFor(part.tiles, [&](std::size_t i) {
+      std::vector<float> workspace(kernel::WorkspaceSize(model.Shared()));
       std::vector<const std::uint8_t*> lit;
-      ChunkSums chunk(n);
-      kernel::BestKernel().accumulate(kernel_scene.model,
-                                      PixelsOf(observations, options, tile, 1, channel, lit),
-                                      workspace.data(), chunk.sums);
-      const Eigen::VectorXd gradient = Assemble(kernel_scene.model, chunk.sums).gradient;
-      const auto at = static_cast<Eigen::Index>(tile);
-      if (channel == kAllChannels)
+      ChunkSums sums(model.Shared());
+      kernel::BestKernel().accumulate(
+          model, PixelsOf(observations, options, part.first + i, 1, part.channel, lit),
+          workspace.data(), sums.sums);
+      const Eigen::VectorXd gradient = Assemble(model, sums.sums).gradient;
+      const auto at = static_cast<Eigen::Index>(part.first + i);
+      if (IsWhole(part))
         out.col(at) = gradient;
       else
         out.col(at) += map.transpose() * gradient;

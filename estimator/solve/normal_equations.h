@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "estimator/model/parameters.h"
 #include "estimator/model/scene.h"
@@ -16,17 +17,23 @@
 
 namespace turnlight::estimator::solve {
 
+struct FrameFactors;
+
 struct NormalEquations {
   Eigen::MatrixXd hessian;   // J^T J, model::Parameters::count() squared, symmetric
   Eigen::VectorXd gradient;  // J^T r, r = model - observed
   double cost = 0.0;         // sum of r^2 / 2 over pixels and channels; r weighted, if pixels are
+  // Where the scene's factors are unknowns: how they were eliminated. Hessian and gradient are of
+  // the others then, the factors following them.
+  std::shared_ptr<const FrameFactors> factors;
 };
 
 // scene is in the observations' coordinates (about the reference, lengths / R). Under coloured
 // lights each channel is a problem of its own, and so is its loss: three passes instead of one.
+// Under lights that change each keyframe is one; observations must have their tiles by keyframe.
 NormalEquations Evaluate(const observe::Observations& observations, const model::Scene& scene,
                          const EvaluateOptions& options);
-// The gradient of each tile by itself: columns x tiles.
+// The gradient of each tile by itself: columns x tiles. Free factors must be in options.factors.
 Eigen::MatrixXd TileGradients(const observe::Observations& observations, const model::Scene& scene,
                               const EvaluateOptions& options);
 // As Evaluate in double precision, for tests of derivatives.

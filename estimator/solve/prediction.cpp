@@ -9,22 +9,21 @@ Prediction Predict(const observe::Observations& observations, const model::Scene
                    const EvaluateOptions& options) {
   Prediction out(static_cast<std::size_t>(observations.channels),
                  std::vector<float>(observations.size()));
-  const Chunks chunks(observations.tiles());
-  for (const int channel : ChannelsOf(scene, observations.channels)) {
-    const KernelScene kernel_scene(observations, scene, options, channel);
-    ParallelFor(chunks.count(), [&](std::size_t chunk) {
-      const std::size_t first = chunks.First(chunk), tiles = chunks.Tiles(chunk);
-      std::vector<float> workspace(kernel::WorkspaceSize(kernel_scene.model.Shared()));
-      float* channels[3] = {nullptr, nullptr, nullptr};
-      for (std::size_t c = 0; c < static_cast<std::size_t>(kernel_scene.model.channels); ++c)
-        channels[c] = out[channel == kAllChannels ? c : static_cast<std::size_t>(channel)].data() +
-                      first * observe::kTile;
-      std::vector<const std::uint8_t*> lit;
-      kernel::BestKernel().predict(kernel_scene.model,
-                                   PixelsOf(observations, options, first, tiles, channel, lit),
-                                   workspace.data(), channels);
-    });
-  }
+  const KernelScenes scenes(observations, scene, options);
+  ParallelFor(scenes.pieces.size(), [&](std::size_t i) {
+    const KernelScenes::Piece& piece = scenes.pieces[i];
+    const kernel::KernelModel& model = scenes.scenes[piece.part].model;
+    const int channel = scenes.parts[piece.part].channel;
+    std::vector<float> workspace(kernel::WorkspaceSize(model.Shared()));
+    float* channels[3] = {nullptr, nullptr, nullptr};
+    for (std::size_t c = 0; c < static_cast<std::size_t>(model.channels); ++c)
+      channels[c] = out[channel == kAll ? c : static_cast<std::size_t>(channel)].data() +
+                    piece.first * observe::kTile;
+    std::vector<const std::uint8_t*> lit;
+    kernel::BestKernel().predict(
+        model, PixelsOf(observations, options, piece.first, piece.tiles, channel, lit),
+        workspace.data(), channels);
+  });
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "estimator/solve/box_quadratic.h"
+#include "estimator/solve/frame_factors.h"
 #include "estimator/solve/unit_diagonal.h"
 
 namespace turnlight::estimator::solve {
@@ -67,6 +68,7 @@ bool Held(const model::Parameter& parameter, const model::Scene& start, int gaug
     case kSpecularColour:
       return parameter.owner == largest(r.specular_colour);
     case kAmbient:
+    case kHarmonic:
       break;
   }
   return false;
@@ -104,6 +106,11 @@ Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::Vector
   return inverse.asDiagonal() * MinimiseInBox(scaled, slope, low, high);
 }
 
+double PredictedGain(const NormalEquations& equations, const Eigen::VectorXd& step) {
+  return -step.dot(equations.gradient + 0.5 * (equations.hessian * step)) +
+         (equations.factors ? equations.factors->gain : 0.0);
+}
+
 bool Finite(const NormalEquations& equations) {
   return std::isfinite(equations.cost) && equations.gradient.allFinite() &&
          equations.hessian.allFinite();
@@ -115,6 +122,7 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
                const SolveOptions& options) {
   Solution out;
   out.scene = model::WithinBounds(start);
+  if (start.free_factors) CompleteFactors(observations.tile_begin.size() - 1, out.scene);
   out.evaluate = options.evaluate;
   const model::Parameters parameters(start, observations.channels);
   const std::vector<Limits> limits = LimitsOf(parameters, out.scene, options);
@@ -130,14 +138,14 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
     const double cost = out.equations.cost;
     const Eigen::VectorXd step =
         DampedStep(out.equations, model::Values(out.scene, parameters), limits, damping);
-    const double predicted =
-        -step.dot(out.equations.gradient + 0.5 * (out.equations.hessian * step));
+    const double predicted = PredictedGain(out.equations, step);
     if (!(predicted > kRounding * cost) || damping > kMostDamping) {
       // Nothing to gain: at the minimum, or (its step not finite) as close as it can be known.
       out.stopped = predicted <= kRounding * cost ? Stopped::kTolerance : Stopped::kNoDescent;
       break;
     }
     model::Scene trial = model::WithinBounds(model::Moved(out.scene, parameters, step));
+    if (out.equations.factors) MoveFactors(*out.equations.factors, step, trial);
     NormalEquations equations = Evaluate(observations, trial, options.evaluate);
     ++out.iterations;
     const double gained = cost - equations.cost;

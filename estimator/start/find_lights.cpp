@@ -122,6 +122,8 @@ struct Search {
     Candidate start;
     start.scene = std::move(scene);
     start.scene.free_colours = colours;
+    start.scene.free_factors = sample.choice.changing.value_or(false);
+    start.scene.free_harmonics = sample.choice.harmonics.value_or(false);
     start = WithDiffuse(std::move(start), diffuse);
     start =
         WithLobe(std::move(start), sample.choice.specular.value_or(model::SpecularModel::kPhong));

@@ -22,8 +22,10 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
                 const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice,
                 const StopFlag* stop) {
   const double more = std::clamp(std::pow(noise / kSampledNoise, 2), 1.0, kMostSamples);
-  const Sample sample{observe::Subsample(all, static_cast<std::size_t>(kSampleSize * more), 1),
-                      noise, choice, stop};
+  const bool by_keyframe = choice.changing.value_or(false);
+  const Sample sample{
+      observe::Subsample(all, static_cast<std::size_t>(kSampleSize * more), 1, by_keyframe), noise,
+      choice, stop};
   const auto clusters = observe::LeaderClustering(
       observe::HighIntensityArea(map, observe::kHighShare), DegToRad(observe::kClusterRadiusDeg));
   Start out;
@@ -34,8 +36,9 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
     candidate = FindLights(sample, clusters, out.ladder);
     candidate = ChooseDiffuse(sample, candidate, out.ladder);
     candidate = ChooseLobeAndCoat(sample, candidate, out.ladder);
-    candidate = CheckHeldOut(observe::Subsample(all, static_cast<std::size_t>(kSampleSize), 2),
-                             sample, std::move(candidate), out.ladder);
+    candidate =
+        CheckHeldOut(observe::Subsample(all, static_cast<std::size_t>(kSampleSize), 2, by_keyframe),
+                     sample, std::move(candidate), out.ladder);
   }
   out.scene = std::move(candidate.scene);
   out.rms_history = std::move(candidate.rms_history);

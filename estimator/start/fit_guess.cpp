@@ -41,6 +41,8 @@ model::Scene StartFromGuess(const Sample& sample, const model::InitialGuess& gue
   if (sample.choice.specular && *sample.choice.specular != r.lobes[0].model)
     r.lobes[0] = model::Converted(r.lobes[0], *sample.choice.specular);
   r.diffuse_model = sample.choice.diffuse.value_or(r.diffuse_model);
+  start.free_factors = sample.choice.changing.value_or(false);
+  start.free_harmonics = sample.choice.harmonics.value_or(false);
   return start;
 }
 

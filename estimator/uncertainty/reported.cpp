@@ -26,18 +26,21 @@ void Normalise(Eigen::Vector3d& colour, double& strength) {
   strength *= largest;
 }
 
-// The same pictures with the strongest light white: its colour goes to the albedo and to what the
+// The same pictures with one light white: its colour goes to the albedo and to what the
 // lobes reflect, and out of the other lights and the ambient light.
-void MakeStrongestWhite(const std::vector<std::size_t>& order, model::Reflectance& r,
-                        std::vector<model::Light>& lights) {
+void MakeWhite(std::size_t number, const std::vector<std::size_t>& order, model::Reflectance& r,
+               std::vector<model::Light>& lights) {
   if (!order.empty()) {
-    const Eigen::Vector3d gauge = lights[order[0]].color.cwiseMax(1e-300);
+    const std::size_t white = order[std::min(number, order.size() - 1)];
+    const Eigen::Vector3d gauge = lights[white].color.cwiseMax(1e-300);
     r.albedo = r.albedo.cwiseProduct(gauge);
     r.specular_colour = r.specular_colour.cwiseProduct(gauge);
     r.ambient_colour = r.ambient_colour.cwiseQuotient(gauge);
     for (model::Light& light : lights) light.color = light.color.cwiseQuotient(gauge);
   }
   for (model::Light& light : lights) Normalise(light.color, light.intensity);
+  const double largest = std::max(r.ambient_colour.maxCoeff(), 1e-300);
+  r.harmonics *= largest;
   Normalise(r.ambient_colour, r.ambient);
   double specular = 1.0;
   Normalise(r.specular_colour, specular);
@@ -53,11 +56,12 @@ Reported Report(const model::Scene& solver_scene, const observe::Observations& o
   model::Reflectance& r = out.reflectance;
   r = world.reflectance;
   std::vector<model::Light> lights = world.lights;
-  if (world.free_colours || world.coloured()) MakeStrongestWhite(order, r, lights);
+  if (world.free_colours || world.coloured()) MakeWhite(world.white_light, order, r, lights);
   const double albedo = std::max(r.albedo.maxCoeff(), 1e-300);
   const double strongest = order.empty() ? 1.0 : std::max(lights[order[0]].intensity, 1e-300);
   r.albedo /= albedo;
   r.ambient *= albedo;
+  r.harmonics *= albedo;
   r.diffuse *= albedo * strongest;
   for (model::Lobe& lobe : r.lobes) lobe.strength *= strongest;
   out.ambient_product = r.albedo.cwiseProduct(r.ambient_colour) * r.ambient;

@@ -12,7 +12,8 @@
 namespace turnlight::estimator::uncertainty {
 
 // What is reported about a scene, in W and in the gauge of the results (max(albedo) = 1, light 0
-// has intensity 1 and is white, the largest channel of every colour is 1), lights in a fixed order.
+// has intensity 1, the scene's white_light is white, the largest channel of every colour is 1),
+// lights in a fixed order.
 struct ReportedLight {
   model::Light light;
   Eigen::Vector3d direction_at_reference;                    // from the reference point

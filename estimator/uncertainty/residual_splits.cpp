@@ -21,6 +21,17 @@ constexpr std::size_t kPlaces = 32;    // from the target's top to its bottom
 constexpr double kNearEdge = 4.0;      // half footprints
 constexpr double kHardlyRough = 1e-3;  // radians
 
+// The gradient of the views that are chosen.
+Eigen::VectorXd OfViews(const observe::Observations& all, const Eigen::MatrixXd& tiles,
+                        const std::function<bool(std::size_t)>& chosen) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(tiles.rows());
+  for (std::size_t k = 0; k + 1 < all.tile_begin.size(); ++k)
+    if (chosen(k))
+      for (std::size_t t = all.tile_begin[k]; t < all.tile_begin[k + 1]; ++t)
+        sum += tiles.col(static_cast<Eigen::Index>(t));
+  return sum;
+}
+
 // The gradient of the observations whose value is below the median over all that are used.
 Eigen::VectorXd GradientOfLower(const observe::Observations& all, const solve::Solution& solution,
                                 const std::function<float(std::size_t)>& value) {
@@ -93,9 +104,16 @@ double Texture(const observe::Observations& all, const solve::Prediction& model,
   return texture >= kLeast ? texture : 0.0;
 }
 
+// Factors of a part of the observations follow the other parameters as those of all do.
+solve::Solution WithFactorsFollowing(solve::Solution solution) {
+  solution.evaluate.factors = solution.equations.factors;
+  return solution;
+}
+
 }  // namespace
 
-ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Solution& solution) {
+ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Solution& fitted) {
+  const solve::Solution solution = WithFactorsFollowing(fitted);
   ResidualSplits out;
   out.clusters = solve::TileGradients(all, solution.scene, solution.evaluate);
   const Eigen::MatrixXd& tiles = out.clusters;
@@ -109,18 +127,11 @@ ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Sol
             tiles.col(static_cast<Eigen::Index>(begin + t));
     }
   }
-  const auto of_views = [&](const std::function<bool(std::size_t)>& chosen) {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(tiles.rows());
-    for (std::size_t k = 0; k < views; ++k)
-      if (chosen(k))
-        for (std::size_t t = all.tile_begin[k]; t < all.tile_begin[k + 1]; ++t)
-          sum += tiles.col(static_cast<Eigen::Index>(t));
-    return sum;
-  };
   if (views > 1) {
-    out.halves.push_back(of_views([](std::size_t k) { return k % 2 == 0; }));
+    out.halves.push_back(OfViews(all, tiles, [](std::size_t k) { return k % 2 == 0; }));
   }
-  if (views > 2) out.halves.push_back(of_views([&](std::size_t k) { return 2 * k < views; }));
+  if (views > 2)
+    out.halves.push_back(OfViews(all, tiles, [&](std::size_t k) { return 2 * k < views; }));
   const auto dot = [&](std::size_t i) {
     return all.normal[0][i] * all.mirrored[0][i] + all.normal[1][i] * all.mirrored[1][i] +
            all.normal[2][i] * all.mirrored[2][i];
@@ -141,8 +152,8 @@ ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Sol
   out.finer = solve::Evaluate(all, solution.scene, finer).gradient - solution.equations.gradient;
   out.texture = Texture(all, model, solution.evaluate.shadows.usable);
   out.edges = EdgesAlone(all, solution);
-  out.alternatives = WithAlternatives(all, solution);
-  out.unmodelled = TryUnmodelled(all, solution);
+  out.alternatives = WithAlternatives(all, fitted);
+  out.unmodelled = TryUnmodelled(all, fitted);
   return out;
 }
 

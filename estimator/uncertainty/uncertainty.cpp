@@ -8,10 +8,11 @@
 #include <optional>
 #include <utility>
 
-#include "estimator/model/tangent_basis.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/solve/evaluate_options.h"
+#include "estimator/solve/frame_factors.h"
 #include "estimator/solve/unit_diagonal.h"
+#include "estimator/uncertainty/quantities.h"
 #include "estimator/uncertainty/uncertainty_parts.h"
 
 namespace turnlight::estimator::uncertainty {
@@ -75,8 +76,9 @@ Covariance Invert(const solve::Solution& solution, const observe::Observations& 
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
   const double values = solve::ValueCount(observations, solution.evaluate);
+  const double factors = solution.equations.factors ? solution.equations.factors->count() : 0.0;
   const double variance = views_per_distinct * 2.0 * solution.equations.cost /
-                          std::max(values - static_cast<double>(n), 1.0);
+                          std::max(values - static_cast<double>(n) - factors, 1.0);
   out.variance = variance;
   double smallest = largest;
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -95,31 +97,6 @@ Covariance Invert(const solve::Solution& solution, const observe::Observations& 
   out.condition = largest / smallest;
   const Eigen::VectorXd inverse = solve::InverseOrZero(scale);
   out.matrix = inverse.asDiagonal() * out.matrix * inverse.asDiagonal();
-  return out;
-}
-
-// The reported quantities as one vector, directions by their tangent coordinates at the solution.
-
-Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
-  const auto lights = static_cast<Eigen::Index>(reported.lights.size());
-  Eigen::VectorXd out(kPerLight * lights + kShared);
-  for (Eigen::Index l = 0; l < lights; ++l) {
-    const ReportedLight& light = reported.lights[static_cast<std::size_t>(l)];
-    const Eigen::Vector3d& u = light.light.direction;
-    const double rho = light.light.inverse_distance;
-    const double rho_at = at.lights[static_cast<std::size_t>(l)].light.inverse_distance;
-    const double safe = rho_at > 0.0 ? rho : 1.0;
-    out.segment(kPerLight * l, kPerLight)
-        << model::TangentBasis(at.lights[static_cast<std::size_t>(l)].light.direction).transpose() *
-               u,
-        rho, light.light.intensity, light.diffuse_product, light.specular_product[0], u / safe,
-        1.0 / safe, light.inverse_distance_at_reference, light.specular_product[1],
-        light.light.color;
-  }
-  const model::Reflectance& r = reported.reflectance;
-  const model::Lobe &first = r.lobes[0], &second = r.lobes[1];
-  out.tail(kShared) << r.albedo, r.ambient, r.diffuse, first.strength, first.shape, r.roughness,
-      reported.ambient_product, first.f0, second.strength, second.shape, second.f0;
   return out;
 }
 
@@ -170,38 +147,41 @@ Propagation Propagate(const solve::Solution& solution, const observe::Observatio
 // total: given for an item of it.
 Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& unknown,
                       std::size_t lights, const Eigen::MatrixXd* total = nullptr) {
-  const auto is_unknown = [&](Eigen::Index q) { return unknown[static_cast<std::size_t>(q)]; };
-  const auto sigma = [&](Eigen::Index q) {
-    return is_unknown(q) ? kUnknown : std::sqrt(std::max(result(q, q), 0.0));
-  };
-  const auto sigma3 = [&](Eigen::Index q) {
-    return Eigen::Vector3d(sigma(q), sigma(q + 1), sigma(q + 2));
-  };
   Uncertainty out;
-  for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(lights); ++l) {
-    const Eigen::Index q = kPerLight * l;
-    LightSigma& light = out.lights.emplace_back();
-    light.direction =
-        is_unknown(q) || is_unknown(q + 1) ? kUnknown
-        : total ? std::sqrt(AlongLargerAxis(total->block<2, 2>(q, q), result.block<2, 2>(q, q)))
-                : std::sqrt(LargerEigenvalue(result.block<2, 2>(q, q)));
-    light.inverse_distance = sigma(q + 2);
-    light.intensity = sigma(q + 3);
-    light.diffuse_product = sigma3(q + 4);
-    light.specular_product = {sigma(q + 7), sigma(q + 13)};
-    light.position_covariance = result.block<3, 3>(q + 8, q + 8);
-    light.distance = sigma(q + 11);
-    light.inverse_distance_at_reference = sigma(q + 12);
-    light.colour = sigma3(q + 14);
+  TakeSigmas(result, unknown, lights, out);
+  for (std::size_t l = 0; l < lights; ++l) {
+    const Eigen::Index at = At(OfLight::kDirection, l);
+    const auto direction = [at](const Eigen::MatrixXd& of) {
+      return Eigen::Matrix2d(of.block<2, 2>(at, at));
+    };
+    const bool is_unknown =
+        unknown[static_cast<std::size_t>(at)] || unknown[static_cast<std::size_t>(at) + 1];
+    out.lights[l].direction = is_unknown ? kUnknown
+                              : total
+                                  ? std::sqrt(AlongLargerAxis(direction(*total), direction(result)))
+                                  : std::sqrt(LargerEigenvalue(direction(result)));
+    const Eigen::Index position = At(OfLight::kPosition, l);
+    out.lights[l].position_covariance = result.block<3, 3>(position, position);
   }
-  const Eigen::Index s = kPerLight * static_cast<Eigen::Index>(lights);
-  out.albedo = sigma3(s);
-  out.ambient = sigma(s + 3);
-  out.diffuse = sigma(s + 4);
-  out.lobes[0] = {sigma(s + 5), sigma(s + 6), sigma(s + 11)};
-  out.lobes[1] = {sigma(s + 12), sigma(s + 13), sigma(s + 14)};
-  out.roughness = sigma(s + 7);
-  out.ambient_product = sigma3(s + kAmbientProduct);
+  return out;
+}
+
+// Of each light's factors: their own, and what they have of the other parameters'.
+std::vector<std::vector<double>> FactorSigmas(const solve::Solution& solution,
+                                              const std::vector<std::size_t>& order,
+                                              const Covariance& covariance) {
+  std::vector<std::vector<double>> out;
+  if (!solution.equations.factors) return out;
+  for (const std::size_t light : order) {
+    std::vector<double>& sigmas = out.emplace_back();
+    const auto row = static_cast<Eigen::Index>(light);
+    for (const auto& keyframe : solution.equations.factors->keyframes) {
+      const Eigen::VectorXd by = keyframe.by_others.row(row).transpose()(covariance.unknowns);
+      const double variance =
+          covariance.variance * keyframe.covariance(row, row) + by.dot(covariance.matrix * by);
+      sigmas.push_back(keyframe.seen[light] ? std::sqrt(std::max(variance, 0.0)) : kUnknown);
+    }
+  }
   return out;
 }
 
@@ -242,7 +222,8 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
   Uncertainties out{Unflatten(total, reported.undetermined, order.size()),
                     Unflatten(parts.stat, reported.undetermined, order.size()),
                     Unflatten(of_calibration, reported.undetermined, order.size()),
-                    BudgetOf(items, total, reported.undetermined, order.size())};
+                    BudgetOf(items, total, reported.undetermined, order.size()),
+                    FactorSigmas(solution, order, covariance)};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;

@@ -37,6 +37,8 @@ struct Uncertainty {
   double ambient = 0.0, diffuse = 0.0, roughness = 0.0;
   std::array<LobeSigma, model::kMostLobes> lobes{};
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, model::kHarmonics, 1> harmonics =
+      Eigen::Matrix<double, model::kHarmonics, 1>::Zero();
   double condition = 0.0;         // of the column-scaled normal equations, free columns
   std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
 };
@@ -53,6 +55,9 @@ struct Uncertainties {
   Uncertainty total, stat;
   Uncertainty calibration;         // the calibration's share, which is in the total
   std::vector<BudgetItem> budget;  // the noise first; items of nothing are left out
+  // Statistical, of the lights' factors in each keyframe, in the order of the lights; none of
+  // lights that are constant.
+  std::vector<std::vector<double>> factors;
 };
 
 // Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/solve/unit_diagonal.h"
+#include "estimator/uncertainty/quantities.h"
 
 namespace turnlight::estimator::uncertainty {
 namespace {
@@ -152,14 +153,16 @@ void AddScatter(double normal_variance, const model::Reflectance& reflectance,
 
 // Diffuse and ambient light are those of the mean albedo; where that is not uniform, a point's own
 // differs by so much.
-void AddTexture(double texture, const Eigen::VectorXd& values, Parts& out) {
+void AddTexture(double texture, const Eigen::VectorXd& values, std::size_t lights, Parts& out) {
   Eigen::VectorXd shift = Eigen::VectorXd::Zero(values.size());
-  for (Eigen::Index q = 0; q + kShared < values.size(); q += kPerLight)
-    shift.segment<3>(q + kDiffuseProduct) = texture * values.segment<3>(q + kDiffuseProduct);
-  const Eigen::Index shared = values.size() - kShared;
-  shift.segment<3>(shared + kAmbientProduct) =
-      texture * values.segment<3>(shared + kAmbientProduct);
-  shift.segment<2>(shared + 3) = texture * values.segment<2>(shared + 3);  // ambient, diffuse
+  const auto scale = [&](Eigen::Index at, Eigen::Index size) {
+    shift.segment(at, size) = texture * values.segment(at, size);
+  };
+  for (std::size_t l = 0; l < lights; ++l)
+    scale(At(OfLight::kDiffuseProduct, l), SizeOf(OfLight::kDiffuseProduct));
+  for (const OfTarget quantity :
+       {OfTarget::kAmbient, OfTarget::kDiffuse, OfTarget::kAmbientProduct, OfTarget::kHarmonics})
+    scale(At(quantity, lights), SizeOf(quantity));
   out.Add(SurfaceWords(), shift);
 }
 
@@ -282,7 +285,7 @@ Parts PartsOf(const solve::Solution& solution, const model::Parameters& paramete
   out.Add(PixelsWords(), jacobian * (fit.inverse * splits.finer(unknowns)));
   AddUnmodelled(splits.unmodelled, fit, out);
   AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, parameters, fit, out);
-  AddTexture(splits.texture, reported.values, out);
+  AddTexture(splits.texture, reported.values, solution.scene.lights.size(), out);
   if (reported.tilt_shift.size() > 0) out.Add(NormalsWords(), reported.tilt_shift);
   AddAlternatives(splits.alternatives, parameters, solution.scene.reflectance, fit, out);
   return out;
@@ -313,7 +316,7 @@ std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
           reported.jacobian * (sample.Good() ? Eigen::VectorXd(sample.Solve(gradient))
                                              : Eigen::VectorXd(whole * gradient));
       for (std::size_t i = 0; i < order.size(); ++i)
-        shift[kPerLight * static_cast<Eigen::Index>(i) + kInverseDistance] +=
+        shift[At(OfLight::kInverseDistance, i)] +=
             HeldDistanceShift(calibration.as_modelled, gradients.col(d),
                               parameters.InverseDistance(static_cast<int>(order[i])), unknowns) /
             reported.radius;

@@ -25,14 +25,6 @@ struct Covariance {
   double variance = 0.0;  // of a value; matrix is this times H^-1
 };
 
-// The reported quantities as one vector: a light's 17 (two tangent coordinates of its direction,
-// rho, intensity, diffuse product (3), product of the first lobe, position (3), distance, rho about
-// the reference, product of the second lobe, colour (3)), for each light; then albedo (3), ambient,
-// diffuse, strength and shape of the first lobe, roughness, ambient product (3), F0 of the first
-// lobe, strength, shape and F0 of the second.
-inline constexpr Eigen::Index kPerLight = 17, kShared = 15, kInverseDistance = 2,
-                              kDiffuseProduct = 4, kAmbientProduct = 8;
-
 // Propagation of errors: derivatives of the reported quantities by the unknowns.
 struct Propagation {
   Eigen::VectorXd values;

@@ -56,8 +56,8 @@ void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
 
 void AddLight(const observe::Observations& pixels, const model::Scene& scene,
               solve::EvaluateOptions options, const ScoreProbe& probe, Unmodelled& out) {
-  const auto light =
-      solve::MostMissingLight(observe::EvenSubsample(pixels, kSearchPixels, 4, nullptr), scene);
+  const auto light = solve::MostMissingLight(
+      observe::EvenSubsample(pixels, kSearchPixels, 4, nullptr, scene.flickers()), scene);
   if (!light) return;
   model::Scene alone = scene;
   alone.reflectance.ambient = 0.0;
@@ -126,8 +126,8 @@ Eigen::VectorXd AveragedFalloff(const observe::Observations& pixels, const model
 Unmodelled TryUnmodelled(const observe::Observations& observations,
                          const solve::Solution& solution) {
   // Edges of shadows are not in the fit.
-  const observe::Observations sample =
-      observe::EvenSubsample(observations, kPixels, 3, solution.evaluate.shadows.usable.get());
+  const observe::Observations sample = observe::EvenSubsample(
+      observations, kPixels, 3, solution.evaluate.shadows.usable.get(), solution.scene.flickers());
   const model::Scene& scene = solution.scene;
   solve::EvaluateOptions options;
   options.huber = solution.evaluate.huber;

@@ -76,7 +76,7 @@ std::vector<Light> ListedLights(const std::vector<LightSpec>& list) {
   lights.reserve(list.size());
   for (const LightSpec& spec : list)
     lights.push_back({spec.direction.normalized(), spec.distance ? 1.0 / *spec.distance : 0.0,
-                      spec.intensity, spec.color});
+                      spec.intensity, spec.color, spec.factors});
   return lights;
 }
 

@@ -157,6 +157,15 @@ int CvDepth(SensorDepth depth) {
   return depth == SensorDepth::k8 ? CV_8U : depth == SensorDepth::k16 ? CV_16U : CV_32F;
 }
 
+estimator::target::Rendering RenderScene(const Studio& studio, const estimator::model::Scene& scene,
+                                         const calib::RigPoses& placement) {
+  estimator::target::Rendering rendering =
+      estimator::target::Render(scene, studio.geometry, studio.rays, placement.X_WC, placement.X_WT,
+                                {.samples_per_side = studio.samples_per_side});
+  Shade(studio, rendering.radiance);
+  return rendering;
+}
+
 }  // namespace
 
 Result<Studio> BuildStudio(const SyntheticConfig& config) {
@@ -202,11 +211,12 @@ calib::RigPoses PlaceAt(const Motion& motion, double angle_deg) {
 estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit) {
   const estimator::model::Scene dark{{}, studio.scene.reflectance};
-  estimator::target::Rendering rendering = estimator::target::Render(
-      lit ? studio.scene : dark, studio.geometry, studio.rays, placement.X_WC, placement.X_WT,
-      {.samples_per_side = studio.samples_per_side});
-  Shade(studio, rendering.radiance);
-  return rendering;
+  return RenderScene(studio, lit ? studio.scene : dark, placement);
+}
+
+estimator::target::Rendering RenderKeyframe(const Studio& studio, const calib::RigPoses& placement,
+                                            std::size_t keyframe) {
+  return RenderScene(studio, estimator::model::AtKeyframe(studio.scene, keyframe), placement);
 }
 
 bool IsHandheld(const Studio& studio) {

@@ -51,6 +51,9 @@ calib::RigPoses PlaceAt(const Motion& motion, double angle_deg);
 // Noise-free, behind the lens. lit = false leaves the ambient term alone.
 estimator::target::Rendering RenderPlacement(const Studio& studio, const calib::RigPoses& placement,
                                              bool lit = true);
+// The same at one frame of what is synthesized: lamps may change from one to the next.
+estimator::target::Rendering RenderKeyframe(const Studio& studio, const calib::RigPoses& placement,
+                                            std::size_t keyframe);
 
 // One picture of what stands there.
 struct View {

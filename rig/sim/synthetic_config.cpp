@@ -77,6 +77,12 @@ void CheckLights(ConfigChecker& check, const SyntheticConfig& config) {
         check.Above(at + "/distance", *light.distance, radius, kMaxLength, "the target's radius");
       check.Above(at + "/intensity", light.intensity, 0.0, kMaxValue);
       CheckColour(check, at + "/color", light.color);
+      const std::size_t factors = light.factors.size();
+      check.Require(factors == 0 || factors == static_cast<std::size_t>(config.motion.frames),
+                    at + "/factors",
+                    std::to_string(factors) + " numbers, allowed is one for each of the " +
+                        std::to_string(config.motion.frames) + " frames");
+      for (const double factor : light.factors) check.From(at + "/factors", factor, 0.0, kMaxValue);
     }
     return;
   }

@@ -76,6 +76,9 @@ struct LightSpec {
   std::optional<double> distance;                        // from W's origin; none: distant
   double intensity = 1.0;                                // irradiance at W's origin, above 0
   Eigen::Vector3d color = Eigen::Vector3d::Ones();
+  // A lamp that flickers or drifts: what multiplies its intensity in each frame that is
+  // synthesized; empty: constant. A live camera has it constant.
+  std::vector<double> factors{};
 };
 
 // Directions uniform on the cap around +z, kept apart; distances uniform in their logarithm.

@@ -97,6 +97,8 @@ Status ReadLightList(StrictObject& object, SyntheticConfig& config) {
     light.distance = NumberOrNull(entry, "distance");
     ReadField(entry, "intensity", light.intensity);
     ReadField(entry, "color", light.color);
+    if (entry.Has("factors"))
+      light.factors = entry.Numbers("factors", entry.Raw("factors").size(), {.min = 0.0});
     if (Status status = entry.Finish(); !status) return status;
     lights.push_back(light);
   }
@@ -237,11 +239,13 @@ ordered_json ToJson(const SyntheticCamera& camera) {
 void AddLights(ordered_json& json, const SyntheticConfig& config) {
   if (const auto* list = std::get_if<std::vector<LightSpec>>(&config.lights)) {
     json["lights"] = ordered_json::array();
-    for (const LightSpec& light : *list)
-      json["lights"].push_back(ordered_json{{"direction", ToJson(light.direction)},
-                                            {"distance", ToJson(light.distance)},
-                                            {"intensity", light.intensity},
-                                            {"color", ToJson(light.color)}});
+    for (const LightSpec& light : *list) {
+      auto& out = json["lights"].emplace_back(ordered_json{{"direction", ToJson(light.direction)},
+                                                           {"distance", ToJson(light.distance)},
+                                                           {"intensity", light.intensity},
+                                                           {"color", ToJson(light.color)}});
+      if (!light.factors.empty()) out["factors"] = light.factors;
+    }
     return;
   }
   const auto& random = std::get<RandomLights>(config.lights);

@@ -34,8 +34,8 @@ float BrightestChannel(const cv::Vec3f& radiance) {
 double ExposureForClipping(const SyntheticConfig& config, const Studio& studio) {
   std::vector<float> values;
   for (int i = 0; i < config.motion.frames; ++i) {
-    const auto rendering =
-        RenderPlacement(studio, PlaceAt(config.motion, i * config.motion.step_deg));
+    const auto rendering = RenderKeyframe(
+        studio, PlaceAt(config.motion, i * config.motion.step_deg), static_cast<std::size_t>(i));
     for (int row = 0; row < rendering.radiance.rows; ++row)
       for (int column = 0; column < rendering.radiance.cols; ++column)
         if (rendering.coverage(row, column) > 0.0f)
@@ -69,7 +69,8 @@ Result<Shoot> PrepareShoot(const SyntheticConfig& config) {
 SyntheticFrame MakeFrame(const SyntheticConfig& config, const Shoot& shoot, int index) {
   const double angle_deg = index * config.motion.step_deg;
   const calib::RigPoses placement = PlaceAt(config.motion, angle_deg);
-  const estimator::target::Rendering rendering = RenderPlacement(shoot.studio, placement);
+  const estimator::target::Rendering rendering =
+      RenderKeyframe(shoot.studio, placement, static_cast<std::size_t>(index));
   const RandomStream random(config.seed, static_cast<std::uint64_t>(index));
   return {Photograph(config.sensor, shoot.studio.radiometry, shoot.exposure, random,
                      rendering.radiance),

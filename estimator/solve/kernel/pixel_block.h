@@ -14,8 +14,10 @@ struct Block {
   Vector3<Real> position, normal, mirrored, viewer, dw_du, dw_dv, dx_du, dx_dv;
   V viewer_cosine;
   V radiance[3];
-  V valid;   // 1, or 0 for filling and what is left out
-  V weight;  // of the residuals; as valid where the pixels are not weighted
+  V valid;     // 1, or 0 for filling and what is left out
+  V weight;    // of the residuals; as valid where the pixels are not weighted
+  V at_white;  // 1 where the residual is one-sided
+  bool one_sided;
   const std::uint8_t* const* lit;
   std::size_t at;
 };
@@ -42,6 +44,11 @@ TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPix
   if (pixels.usable) block.valid *= LoadBytes<Real>(pixels.usable + at);
   block.weight = block.valid;
   if (pixels.weight) block.weight *= LoadFloats(pixels.weight + at, Real{});
+  block.one_sided = pixels.at_white != nullptr;
+  for (int i = 0; block.one_sided && i < kLanes; ++i)
+    block.at_white[i] =
+        (pixels.at_white[at + static_cast<std::size_t>(i)] >> model.channel_bit & 1) != 0 ? Real(1)
+                                                                                          : Real(0);
   block.lit = pixels.lit;
   block.at = at;
   if (samples > 1) {

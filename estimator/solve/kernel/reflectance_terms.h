@@ -3,6 +3,7 @@
 #pragma once
 
 #include "estimator/model/reflectance/models.h"
+#include "estimator/model/spherical_harmonics.h"
 #include "estimator/solve/kernel/pixel_block.h"
 
 namespace turnlight::estimator::solve::kernel {

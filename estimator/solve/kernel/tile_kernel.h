@@ -17,7 +17,8 @@ inline constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;  // fills up a tile
 inline constexpr int kMaxSamples = 8;                   // per side of a footprint
 inline constexpr int kPerLight = 4;                     // intensity, two tangents, inverse distance
 inline constexpr int kMostLobes = 2;
-inline constexpr int kMostBeforeLights = 3 + 3 * kMostLobes;
+inline constexpr int kHarmonics = 8;  // of the ambient light
+inline constexpr int kMostBeforeLights = 3 + 3 * kMostLobes + kHarmonics;
 inline constexpr int kDiffuseConstants = 4;
 
 struct KernelLight {
@@ -40,14 +41,18 @@ struct KernelModel {
   const KernelLight* light;
   double albedo[3];
   double ambient, diffuse;
+  bool harmonics;  // the ambient light depends on the normal
+  double harmonic[kHarmonics];
   int diffuse_model;  // number in model::reflectance::DiffuseModels
   double diffuse_constants[kDiffuseConstants];
   int lobes;
   KernelLobe lobe[kMostLobes];
   // Rows of the parameters that all lights share; those of the lights follow.
   int ambient_row, diffuse_row, roughness_row, first_light_row;
+  int harmonics_row;   // of the first of them; -1 if they are not unknowns
   double huber;        // 0: squares
   bool weighted;       // the pixels have weights
+  int channel_bit;     // of the pixels' at_white
   bool gradient_only;  // leave out the sums of products of rows
   // Gauss-Legendre nodes on [-1/2, 1/2] and weights (sum 1) for each number of samples per side.
   double node[kMaxSamples + 1][kMaxSamples];
@@ -67,7 +72,10 @@ struct KernelPixels {
   const std::uint16_t* step[6];       // change of the position
   const float* radiance[3];
   const std::uint32_t* pixel;
-  const float* weight;             // of each pixel's residuals; or null for 1
+  const float* weight;  // of each pixel's residuals; or null for 1
+  // 1 where the radiance is at white: a model above it is no residual. One channel at a time; or
+  // null for none.
+  const std::uint8_t* at_white;
   const std::uint8_t* samples;     // per tile, or null for 1
   const std::uint8_t* const* lit;  // per light, 1 or 0 for each pixel; or null for 1
   const std::uint8_t* usable;      // 1 or 0 for each pixel; or null for 1

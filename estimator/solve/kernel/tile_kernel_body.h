@@ -12,6 +12,8 @@ struct Shading {
   using V = typename Lanes<Real>::V;
   V diffuse, by_roughness;
   V specular[kMostLobes], by_shape[kMostLobes], by_f0[kMostLobes];
+  V ambient;
+  V harmonic[kHarmonics];  // their values, if the model has them
 };
 
 // A light as a block sees it.
@@ -72,13 +74,26 @@ TURNLIGHT_INLINE void StoreLobeRows(double strength, bool add, const Block<Real>
   }
 }
 
+// The ambient light of a block.
+template <typename Real>
+TURNLIGHT_INLINE void ShadeAmbient(const KernelModel& model, const Block<Real>& block,
+                                   Shading<Real>& shading) {
+  using L = Lanes<Real>;
+  shading.ambient = L::Splat(model.ambient);
+  if (!model.harmonics) return;
+  model::FillHarmonics<L>(block.normal.x, block.normal.y, block.normal.z, shading.harmonic);
+  for (int j = 0; j < kHarmonics; ++j)
+    shading.ambient += L::Splat(model.harmonic[j]) * shading.harmonic[j];
+}
+
 template <typename Real, bool kJacobian>
 TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<Real>& block,
                                           int samples, const Rows<Real>& rows, int offset) {
   using L = Lanes<Real>;
   using V = typename L::V;
   const V zero = L::Splat(0.0);
-  Shading<Real> sum{zero, zero, {zero, zero}, {zero, zero}, {zero, zero}};
+  Shading<Real> sum{zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, {}};
+  ShadeAmbient(model, block, sum);
   for (int index = 0; index < model.lights; ++index) {
     const KernelLight& light = model.light[index];
     const V rho = L::Splat(light.inverse_distance), intensity = L::Splat(light.intensity);
@@ -158,6 +173,8 @@ TURNLIGHT_INLINE void StoreSharedRows(const KernelModel& model, const Shading<Re
   V a[kMostBeforeLights], b[kMostBeforeLights];
   for (int i = 0; i < model.first_light_row; ++i) a[i] = b[i] = zero;
   a[model.ambient_row] = one;
+  for (int j = 0; model.harmonics && model.harmonics_row >= 0 && j < kHarmonics; ++j)
+    a[model.harmonics_row + j] = shading.harmonic[j];
   a[model.diffuse_row] = shading.diffuse;
   a[model.roughness_row] = L::Splat(model.diffuse) * shading.by_roughness;
   for (int k = 0; k < model.lobes; ++k) {
@@ -175,15 +192,21 @@ TURNLIGHT_INLINE void StoreSharedRows(const KernelModel& model, const Shading<Re
 
 // Residuals of a block, its shared rows and their weights. Returns its cost.
 template <typename Real>
-TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
-                                                     const Block<Real>& block,
+TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model, Block<Real> block,
                                                      const Shading<Real>& shading,
                                                      const Rows<Real>& rows, int offset) {
   using L = Lanes<Real>;
   using V = typename L::V;
   const V zero = L::Splat(0.0);
-  const V albedo_row = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
+  const V albedo_row = shading.ambient + L::Splat(model.diffuse) * shading.diffuse;
   const V white = White(model, shading);
+  if (block.one_sided) {
+    // At white and the model above it: nothing is wrong.
+    const V above = L::Splat(model.albedo[0]) * albedo_row + white - block.radiance[0];
+    const auto satisfied = (block.at_white > zero) & (above > zero);
+    block.valid = satisfied ? zero : block.valid;
+    block.weight = satisfied ? zero : block.weight;
+  }
   V residual[3], square = zero, residual_a = zero, residual_b = zero;
   for (int c = 0; c < model.channels; ++c) {
     residual[c] =
@@ -202,7 +225,7 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model,
   L::Store(rows.ResidualA() + offset, residual_a);
   L::Store(rows.ResidualB() + offset, residual_b);
   StoreSharedRows(model, shading, weight, rows, offset);
-  if (model.huber > 0.0 || model.weighted) {
+  if (model.huber > 0.0 || model.weighted || block.one_sided) {
     for (int i = model.first_light_row; i < rows.shared; ++i) {
       L::Store(rows.A(i) + offset, L::Load(rows.A(i) + offset) * weight);
       L::Store(rows.B(i) + offset, L::Load(rows.B(i) + offset) * weight);
@@ -366,7 +389,7 @@ TURNLIGHT_INLINE void PredictTiles(const KernelModel& model, const KernelPixels&
       const std::size_t at = tile * kTilePixels + static_cast<std::size_t>(offset);
       const auto block = LoadBlock<Real>(model, pixels, at, samples);
       const auto shading = ShadeBlock<Real, false>(model, block, samples, rows, offset);
-      const auto diffuse = L::Splat(model.ambient) + L::Splat(model.diffuse) * shading.diffuse;
+      const auto diffuse = shading.ambient + L::Splat(model.diffuse) * shading.diffuse;
       const auto white = White(model, shading);
       for (int c = 0; c < model.channels; ++c)
         L::Store(out[c] + at, L::Splat(model.albedo[c]) * diffuse + white);

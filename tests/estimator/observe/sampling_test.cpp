@@ -45,6 +45,28 @@ TEST(Sampling, EvenTakesAllAlikeAndTheOtherByGradient) {
   ExpectFromFirstHalf(by_gradient, kSampleWanted / 4.0);
 }
 
+TEST(Sampling, ByKeyframeHasTheSamePixelsInTilesOfTheirKeyframe) {
+  Observations all = HalfFlatHalfSteep();
+  all.tile_begin = {0, 40, 40, all.tiles()};  // one keyframe sees nothing
+  const Observations plain = EvenSubsample(all, kSampleWanted, 7, nullptr);
+  const PixelSample sample = SampleOfKeyframes(all, kSampleWanted, 7, nullptr, true);
+  const Observations& by_keyframe = sample.pixels;
+  ASSERT_EQ(by_keyframe.tile_begin.size(), all.tile_begin.size());
+  EXPECT_EQ(by_keyframe.used, plain.used);
+  EXPECT_EQ(by_keyframe.tile_begin[1], by_keyframe.tile_begin[2]);
+  std::vector<std::uint32_t> pixels;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = by_keyframe.tile_begin[k] * kTile;
+         i < by_keyframe.tile_begin[k + 1] * kTile; ++i) {
+      if (by_keyframe.pixel[i] == Observations::kNoPixel) continue;
+      EXPECT_EQ(by_keyframe.pixel[i] < 40 * kTile, k == 0);
+      EXPECT_EQ(sample.keyframe[i], k);
+      EXPECT_EQ(by_keyframe.radiance[0][i], all.radiance[0][by_keyframe.pixel[i]]);
+      pixels.push_back(by_keyframe.pixel[i]);
+    }
+  EXPECT_TRUE(std::equal(pixels.begin(), pixels.end(), plain.pixel.begin()));
+}
+
 TEST(Sampling, IsAFunctionOfTheSeed) {
   const Observations all = HalfFlatHalfSteep();
   EXPECT_EQ(Subsample(all, kSampleWanted, 7).pixel, Subsample(all, kSampleWanted, 7).pixel);

@@ -41,6 +41,16 @@ TEST(ModelOption, EachValueIsTaken) {
   EXPECT_EQ(Chosen("specular=none").specular, SpecularModel::kNone);
   EXPECT_EQ(Chosen("specular=phong").specular, SpecularModel::kPhong);
   EXPECT_EQ(Chosen("specular=blinn-phong").specular, SpecularModel::kBlinnPhong);
+  EXPECT_EQ(Chosen("diffuse=coated").diffuse, DiffuseModel::kCoated);
+  EXPECT_EQ(Chosen("specular=beckmann").specular, SpecularModel::kBeckmann);
+  EXPECT_EQ(Chosen("specular=ggx").specular, SpecularModel::kGgx);
+  EXPECT_EQ(Chosen("color=free").coloured, true);
+  EXPECT_EQ(Chosen("color=white").coloured, false);
+  EXPECT_EQ(Chosen("white=2").white, 2);
+  EXPECT_EQ(Chosen("intensity=per-frame").changing, true);
+  EXPECT_EQ(Chosen("intensity=constant").changing, false);
+  EXPECT_EQ(Chosen("ambient=harmonics").harmonics, true);
+  EXPECT_EQ(Chosen("ambient=constant").harmonics, false);
   EXPECT_EQ(Chosen("lights-are=near").near, true);
   EXPECT_EQ(Chosen("lights-are=distant").near, false);
 }

@@ -175,6 +175,18 @@ TEST(SceneJson, LobesAndColoursRoundTrip) {
   }
 }
 
+TEST(SceneJson, FactorsAndHarmonicsRoundTrip) {
+  Scene scene;
+  scene.lights.resize(2);
+  scene.lights[1].factors = {0.9, 1.05, 1.05};
+  for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.harmonics[j] = 0.01 * (j - 3);
+  const auto back = ParseScene(TruthToJson(scene), "t");
+  ASSERT_TRUE(back) << back.error().text;
+  EXPECT_TRUE(back->lights[0].factors.empty());
+  EXPECT_EQ(back->lights[1].factors, scene.lights[1].factors);
+  EXPECT_EQ(back->reflectance.harmonics, scene.reflectance.harmonics);
+}
+
 TEST(SceneJson, RefusalsOfLobesNameTheKey) {
   const auto of = [](const std::string& keys) {
     return SceneError(R"({"lights": [], "reflectance": {"model": "ggx", "albedo": [1, 1, 1],

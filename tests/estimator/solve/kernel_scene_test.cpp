@@ -71,7 +71,7 @@ TEST(PixelsOf, PointIntoTheArraysFromTheTileOn) {
   const observe::Observations& all = random.observations;
   EvaluateOptions options;
   std::vector<const std::uint8_t*> lit;
-  kernel::KernelPixels pixels = PixelsOf(all, options, 2, 3, kAllChannels, lit);
+  kernel::KernelPixels pixels = PixelsOf(all, options, 2, 3, kAll, lit);
   EXPECT_EQ(pixels.position[2], all.position[2].data() + 2 * observe::kTile);
   EXPECT_EQ(pixels.radiance[1], nullptr) << "one channel";
   EXPECT_EQ(pixels.tiles, 3u);
@@ -82,7 +82,7 @@ TEST(PixelsOf, PointIntoTheArraysFromTheTileOn) {
   const auto plane = std::make_shared<std::vector<std::uint8_t>>(all.size(), 1);
   options.shadows.lit = {plane, plane};
   options.shadows.usable = plane;
-  pixels = PixelsOf(all, options, 2, 3, kAllChannels, lit);
+  pixels = PixelsOf(all, options, 2, 3, kAll, lit);
   EXPECT_EQ(pixels.samples, options.samples_per_side.data() + 2);
   ASSERT_NE(pixels.lit, nullptr);
   EXPECT_EQ(pixels.lit[1], plane->data() + 2 * observe::kTile);

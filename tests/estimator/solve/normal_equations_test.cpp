@@ -24,7 +24,7 @@ namespace turnlight::estimator::solve {
 namespace {
 
 constexpr int kLights = 2;
-constexpr int kMostColumns = 3 + 9 + 7 * kLights + 6;
+constexpr int kMostColumns = 3 + 9 + 7 * kLights + 6 + model::kHarmonics;
 using Jet = ceres::Jet<double, kMostColumns>;
 using JetVector = Eigen::Matrix<Jet, 3, 1>;
 
@@ -56,6 +56,21 @@ model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
   return scene;
 }
 
+Jet JetAmbient(const model::Reflectance& r, const model::Parameters& columns,
+               const Eigen::Vector3d& normal) {
+  const auto variable = [](double value, int column) {
+    return column < 0 ? Jet(value) : Jet(value, column);
+  };
+  const double x = normal.x(), y = normal.y(), z = normal.z();
+  const double harmonics[] = {x, y, z, x * y, y * z, x * z, 3.0 * z * z - 1.0, x * x - y * y};
+  const double squares[] = {3.0, 3.0, 3.0, 15.0, 15.0, 15.0, 1.25, 3.75};
+  Jet ambient = variable(r.ambient, columns.Ambient());
+  for (int j = 0; j < model::kHarmonics; ++j)
+    ambient +=
+        variable(r.harmonics[j], columns.Harmonic(j)) * (std::sqrt(squares[j]) * harmonics[j]);
+  return ambient;
+}
+
 // The model of one pixel in Jets: columns as in Parameters, tangent coordinates at zero.
 std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point) {
   const model::Parameters columns(scene, 3);
@@ -63,7 +78,7 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
   const auto variable = [](double value, int column) {
     return column < 0 ? Jet(value) : Jet(value, column);
   };
-  const Jet ambient = variable(r.ambient, columns.Ambient());
+  const Jet ambient = JetAmbient(r, columns, point.normal);
   const Jet diffuse = variable(r.diffuse, columns.Diffuse());
   const Jet variance = variable(r.roughness * r.roughness, columns.Roughness());
   const JetVector n = point.normal.cast<Jet>(), v = point.viewer.cast<Jet>();
@@ -221,8 +236,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Models{model::SpecularModel::kGgx, model::DiffuseModel::kCoated},
                     Models{model::SpecularModel::kPhong, model::DiffuseModel::kOrenNayar}));
 
-// Two lobes and lights of their own colours.
-TEST(Derivatives, OfTwoLobesAndColouredLightsAgreeWithAutodiff) {
+// Two lobes, lights of their own colours, and a light field.
+TEST(Derivatives, OfTwoLobesColoursAndHarmonicsAgreeWithAutodiff) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     model::Scene scene =
@@ -231,6 +246,8 @@ TEST(Derivatives, OfTwoLobesAndColouredLightsAgreeWithAutodiff) {
     scene.free_colours = true;
     scene.reflectance.ambient_colour = {0.7, 1.0, 0.4};
     scene.reflectance.specular_colour = {1.0, 0.8, 0.9};
+    scene.free_harmonics = true;
+    for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.harmonics[j] = 0.02 * (j - 3);
     scene.lights[0].color = {1.0, 0.6, 0.3};
     scene.lights[1].color = {0.5, 0.9, 1.0};
     RandomObservations all(300, 3, seed);
@@ -238,6 +255,50 @@ TEST(Derivatives, OfTwoLobesAndColouredLightsAgreeWithAutodiff) {
     const Reference reference = ByJets(all, scene);
     ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-5);
     ExpectSame(Evaluate(all.observations, scene, {}), reference, 3e-5);
+  }
+}
+
+// A pixel at white counts as one that is left out where the model is above it, and as any other
+// where it is below; in each channel by itself.
+TEST(OneSided, APixelAtWhiteCountsOnlyWhereTheModelIsBelow) {
+  const model::Scene scene =
+      RandomScene(4, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
+  RandomObservations all(700, 3, 8);
+  GiveWeights(3, all.observations);
+  observe::Observations& censored = all.observations;
+  censored.one_sided = true;
+  censored.at_white.assign(censored.size(), 0);
+  const Prediction model = Predict(censored, scene, {});
+  for (const double huber : {0.0, 0.1}) {
+    EvaluateOptions options;
+    options.huber = huber;
+    std::vector<observe::Observations> alone(3, censored);
+    for (std::size_t c = 0; c < 3; ++c) {
+      alone[c].channels = 1;
+      alone[c].one_sided = false;
+      alone[c].at_white.clear();
+      alone[c].radiance[0] = censored.radiance[c];
+      for (std::size_t i = 0; i < 700; ++i) {
+        if ((i + c) % 3 != 0) continue;
+        censored.at_white[i] |= static_cast<std::uint8_t>(1u << c);
+        if (model[c][i] > censored.radiance[c][i])
+          alone[c].pixel[i] = observe::Observations::kNoPixel;
+      }
+    }
+    const NormalEquations together = EvaluateDouble(censored, scene, options);
+    NormalEquations sum;
+    sum.gradient = Eigen::VectorXd::Zero(together.gradient.size() - 3);
+    for (int c = 0; c < 3; ++c) {
+      model::Scene grey = scene;
+      grey.reflectance.albedo.setConstant(scene.reflectance.albedo[c]);
+      const NormalEquations one = EvaluateDouble(alone[static_cast<std::size_t>(c)], grey, options);
+      sum.cost += one.cost;
+      sum.gradient += one.gradient.tail(sum.gradient.size());
+      EXPECT_NEAR(together.gradient[c], one.gradient[0], 1e-9 * std::abs(one.gradient[0]) + 1e-12);
+    }
+    EXPECT_NEAR(together.cost, sum.cost, 1e-9 * sum.cost);
+    EXPECT_LT((together.gradient.tail(sum.gradient.size()) - sum.gradient).norm(),
+              1e-9 * sum.gradient.norm());
   }
 }
 

@@ -70,6 +70,33 @@ TEST(Report, ProductsAreThoseOfTheScene) {
   EXPECT_LT((reported.ambient_product - r.albedo * r.ambient).norm(), 1e-15);
 }
 
+// Another light called white is another gauge: products stay.
+TEST(Report, TheNamedLightIsWhite) {
+  observe::Observations frame;
+  model::Scene scene = TwoLights();
+  scene.free_colours = true;
+  scene.lights[0].color = {1.0, 0.9, 0.7};
+  scene.lights[1].color = {0.6, 0.8, 1.0};
+  scene.reflectance.ambient_colour = {1.0, 0.7, 0.9};
+  scene.reflectance.harmonics.setConstant(0.01);
+  const Reported one = Report(scene, frame, {0, 1});
+  scene.white_light = 1;
+  const Reported other = Report(scene, frame, {0, 1});
+  const Eigen::Vector3d white = Eigen::Vector3d::Ones();
+  EXPECT_EQ(one.lights[0].light.color, white);
+  EXPECT_EQ(other.lights[1].light.color, white);
+  EXPECT_NE(other.lights[0].light.color, white);
+  EXPECT_LT((one.ambient_product - other.ambient_product).norm(), 1e-14);
+  const auto of = [](const Reported& reported) {
+    return Eigen::Vector3d(
+        reported.reflectance.harmonics[0] *
+        reported.reflectance.albedo.cwiseProduct(reported.reflectance.ambient_colour));
+  };
+  EXPECT_LT((of(one) - of(other)).norm(), 1e-14);
+  for (std::size_t l = 0; l < 2; ++l)
+    EXPECT_LT((one.lights[l].diffuse_product - other.lights[l].diffuse_product).norm(), 1e-14);
+}
+
 // A lamp close to the target is strong there, and weak where W's origin is, far behind.
 TEST(StrengthOrder, IsAtTheWorldsOrigin) {
   observe::Observations frame;

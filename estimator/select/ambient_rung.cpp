@@ -1,0 +1,85 @@
+#include "estimator/select/ambient_rung.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "base/format.h"
+#include "estimator/solve/unit_diagonal.h"
+#include "estimator/uncertainty/reported.h"
+#include "estimator/uncertainty/uncertainty.h"
+
+namespace turnlight::estimator::select {
+namespace {
+
+constexpr double kLeastRms = 0.002;  // of white, over the sphere of normals
+constexpr char kUneven[] = "ambient-harmonics";
+
+// What the harmonics would lower the cost by, the other unknowns following: a score test.
+double GainOf(const observe::Observations& observations, const solve::Solution& solution) {
+  model::Scene scene = solution.scene;
+  scene.free_harmonics = true;
+  const solve::NormalEquations there = solve::Evaluate(observations, scene, solution.evaluate);
+  const model::Parameters with(scene, observations.channels),
+      without(solution.scene, observations.channels);
+  std::vector<int> unknowns;
+  for (int column = 0, own = 0; column < with.count(); ++column) {
+    const bool harmonic = with[column].kind == model::ParameterKind::kHarmonic;
+    if (harmonic || !solution.held[static_cast<std::size_t>(own)]) unknowns.push_back(column);
+    if (!harmonic) ++own;
+  }
+  // At the minimum the gradient by the others is 0, but for rounding.
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns.size()));
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (with[unknowns[i]].kind == model::ParameterKind::kHarmonic)
+      gradient[static_cast<Eigen::Index>(i)] = there.gradient[unknowns[i]];
+  const solve::ScaledFactor factor(there.hessian(unknowns, unknowns));
+  return 0.5 * gradient.dot(factor.Solve(gradient));
+}
+
+}  // namespace
+
+void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
+                     Refined& out, std::vector<model::Rung>& ladder) {
+  if (choice.harmonics) {
+    ladder.push_back({kUneven, *choice.harmonics, "as asked for"});
+    return;
+  }
+  if (out.solution.scene.free_harmonics) return;
+  const double values = solve::ValueCount(observations, out.solution.evaluate);
+  const double variance = 2.0 * out.solution.equations.cost / values;
+  const double explained = 2.0 * GainOf(observations, out.solution) / std::max(variance, 1e-300);
+  if (!(explained > model::kHarmonics + kChance * std::sqrt(2.0 * model::kHarmonics))) {
+    ladder.push_back({kUneven, false,
+                      Format("ambient light that depends on the normal would explain %.3g of the "
+                             "residuals' variance; chance alone explains %.3g",
+                             explained / values, model::kHarmonics / values)});
+    return;
+  }
+  Refined uneven = out;
+  uneven.solution.scene.free_harmonics = true;
+  SolveOn(observations, uneven);
+  if (StopRequested(out.options.stop)) return;
+  uneven.splits = uncertainty::SplitResiduals(observations, uneven.solution);
+  const auto order = uncertainty::StrengthOrder(uneven.solution.scene, observations);
+  const uncertainty::Uncertainty sigma =
+      uncertainty::EstimateUncertainty(uneven.solution, observations, order,
+                                       uneven.views_per_distinct, uneven.splits)
+          .total;
+  const uncertainty::Reported reported =
+      uncertainty::Report(uneven.solution.scene, observations, order);
+  double most = 0.0;
+  for (int j = 0; j < model::kHarmonics; ++j)
+    if (std::isfinite(sigma.harmonics[j]) && sigma.harmonics[j] > 0.0)
+      most = std::max(most, std::abs(reported.reflectance.harmonics[j]) / sigma.harmonics[j]);
+  const double rms = reported.reflectance.harmonics.norm();
+  const bool accepted = most > kSignificance && rms >= kLeastRms;
+  ladder.push_back(
+      {kUneven, accepted,
+       Format("the ambient light varies with the normal by %.3g of white, the clearest "
+              "harmonic is %.1f sigma from 0; it counts from %.2g and %.0f sigma",
+              rms, most, kLeastRms, kSignificance)});
+  if (accepted) out = std::move(uneven);
+}
+
+}  // namespace turnlight::estimator::select

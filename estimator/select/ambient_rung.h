@@ -1,0 +1,18 @@
+// Whether the ambient light comes from all sides alike.
+#pragma once
+
+#include <vector>
+
+#include "estimator/model/model_choice.h"
+#include "estimator/model/rung.h"
+#include "estimator/select/refined.h"
+
+namespace turnlight::estimator::select {
+
+// Lets the ambient light depend on the normal (model/spherical_harmonics.h) if the pictures call
+// for it: a score test of all harmonics together is beyond chance (4 sigma of chi squared), and,
+// fitted, one of them is 3 sigma from 0 and they make at least 0.2 % of white. Or as `choice` says.
+void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
+                     Refined& out, std::vector<model::Rung>& ladder);
+
+}  // namespace turnlight::estimator::select
