@@ -157,7 +157,8 @@ double SpecularOf(StrictObject& object, SpecularModel model) {
   return object.Number("specular", {.min = 0.0});
 }
 
-// The keys of one lobe. One that is not there has no width: its shape may be absent.
+// The keys of one lobe. One without strength has no width: its shape may be absent, or less than
+// any lobe's.
 Lobe LobeOf(StrictObject& object, SpecularModel model) {
   Lobe lobe{model, SpecularOf(object, model)};
   const reflectance::LobeFacts& facts = model::FactsOf(model);
@@ -165,10 +166,12 @@ Lobe LobeOf(StrictObject& object, SpecularModel model) {
   if (lobe.strength > 0.0)
     lobe.shape = object.Number(key, {.min = facts.least_shape, .max = facts.most_shape});
   else
-    lobe.shape =
-        OptionalNumberOrNull(object, key, {.min = 0.0, .max = facts.most_shape}).value_or(1.0);
+    lobe.shape = std::max(
+        OptionalNumberOrNull(object, key, {.min = 0.0, .max = facts.most_shape}).value_or(1.0),
+        facts.least_shape);
   if (facts.physical)
-    lobe.f0 = OptionalNumberOrNull(object, "f0", {.min = 0.0, .max = 1.0}).value_or(1.0);
+    lobe.f0 =
+        OptionalNumberOrNull(object, "f0", {.min = model::kLeastF0, .max = 1.0}).value_or(1.0);
   return lobe;
 }
 
