@@ -94,6 +94,9 @@ struct ReflectanceSigma {
   };
   std::array<OfLobe, model::kMostLobes> lobes{};
   std::optional<double> roughness;
+  // Per channel, the largest 1 in the gauge of the lights' colours; 0 where all are white.
+  Eigen::Vector3d ambient_colour = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specular_colour = Eigen::Vector3d::Zero();
 };
 
 struct Note {

@@ -22,18 +22,23 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // say nothing about that direction.
 constexpr double kNullShare = 1e-11;
 constexpr double kWeakShare = 1e-7;
+
+// Of a lobe without strength, which is nowhere in the pictures: its shape and F0 change nothing.
+bool IsNowhere(const model::Parameter& parameter, const model::Scene& scene) {
+  const bool of_lobe =
+      parameter.kind == model::ParameterKind::kShape || parameter.kind == model::ParameterKind::kF0;
+  const auto owner = static_cast<std::size_t>(parameter.owner);
+  return of_lobe && !(scene.reflectance.lobes[owner].strength > 0.0);
+}
+
 // The columns that count as unknowns: all that are not held. What ended at a bound could be on this
 // side of it.
 std::vector<int> Unknowns(const solve::Solution& solution, const model::Parameters& parameters) {
   std::vector<int> unknowns;
-  for (int column = 0; column < parameters.count(); ++column) {
-    const model::Parameter& parameter = parameters[column];
-    const bool of_lobe = parameter.kind == model::ParameterKind::kShape ||
-                         parameter.kind == model::ParameterKind::kF0;
-    const auto owner = static_cast<std::size_t>(parameter.owner);
-    const bool nowhere = of_lobe && !(solution.scene.reflectance.lobes[owner].strength > 0.0);
-    if (!solution.held[static_cast<std::size_t>(column)] && !nowhere) unknowns.push_back(column);
-  }
+  for (int column = 0; column < parameters.count(); ++column)
+    if (!solution.held[static_cast<std::size_t>(column)] &&
+        !IsNowhere(parameters[column], solution.scene))
+      unknowns.push_back(column);
   return unknowns;
 }
 
@@ -119,7 +124,8 @@ Eigen::VectorXd Flatten(const Reported& reported, const Reported& at) {
   const model::Reflectance& r = reported.reflectance;
   const model::Lobe &first = r.lobes[0], &second = r.lobes[1];
   out.tail(kShared) << r.albedo, r.ambient, r.diffuse, first.strength, first.shape, r.roughness,
-      reported.ambient_product, first.f0, second.strength, second.shape, second.f0;
+      reported.ambient_product, first.f0, second.strength, second.shape, second.f0,
+      r.ambient_colour, r.specular_colour;
   return out;
 }
 
@@ -202,6 +208,8 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
   out.lobes[1] = {sigma(s + 12), sigma(s + 13), sigma(s + 14)};
   out.roughness = sigma(s + 7);
   out.ambient_product = sigma3(s + kAmbientProduct);
+  out.ambient_colour = sigma3(s + 15);
+  out.specular_colour = sigma3(s + 18);
   return out;
 }
 

@@ -37,6 +37,8 @@ struct Uncertainty {
   double ambient = 0.0, diffuse = 0.0, roughness = 0.0;
   std::array<LobeSigma, model::kMostLobes> lobes{};
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();
+  Eigen::Vector3d ambient_colour = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specular_colour = Eigen::Vector3d::Zero();
   double condition = 0.0;         // of the column-scaled normal equations, free columns
   std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
 };

@@ -29,8 +29,8 @@ struct Covariance {
 // rho, intensity, diffuse product (3), product of the first lobe, position (3), distance, rho about
 // the reference, product of the second lobe, colour (3)), for each light; then albedo (3), ambient,
 // diffuse, strength and shape of the first lobe, roughness, ambient product (3), F0 of the first
-// lobe, strength, shape and F0 of the second.
-inline constexpr Eigen::Index kPerLight = 17, kShared = 15, kInverseDistance = 2,
+// lobe, strength, shape and F0 of the second, colours of ambient light and of highlights (3 each).
+inline constexpr Eigen::Index kPerLight = 17, kShared = 21, kInverseDistance = 2,
                               kDiffuseProduct = 4, kAmbientProduct = 8;
 
 // Propagation of errors: derivatives of the reported quantities by the unknowns.
