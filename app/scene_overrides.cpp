@@ -66,11 +66,11 @@ Status SetModel(const std::string& value, Reflectance& reflectance) {
     return BadValue("model", value,
                     "one of " + Listed(estimator::results::AllWords<SpecularModel>()));
   estimator::model::Lobe& lobe = reflectance.lobes[0];
-  // Of another kind of shape: as wide and as bright as it was.
+  // Of another kind of shape: as wide and as bright as it was. Else the shape stays as a number.
   const bool physical = estimator::model::FactsOf(*model).physical;
-  if (physical != estimator::model::FactsOf(lobe.model).physical)
-    lobe = estimator::model::Converted(lobe, *model);
-  lobe.model = *model;
+  if (*model != SpecularModel::kNone && physical == estimator::model::FactsOf(lobe.model).physical)
+    lobe.model = *model;
+  SetLobeModel(reflectance, *model);
   return {};
 }
 
@@ -90,7 +90,8 @@ Status SetF0(const std::string& value, estimator::model::Lobe& lobe) {
   if (!facts.physical)
     return InputError(std::string("--set f0: a lobe of ") + facts.name +
                       " has no F0, allowed after --set model=ggx or beckmann");
-  return SetNumber("f0", value, 0.0, 1.0, "a number from 0 to 1", lobe.f0);
+  constexpr double kLeast = estimator::model::kLeastF0;
+  return SetNumber("f0", value, kLeast, 1.0, Format("a number from %.10g to 1", kLeast), lobe.f0);
 }
 
 Status SetAlbedo(const std::string& value, Reflectance& reflectance) {

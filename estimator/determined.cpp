@@ -20,8 +20,8 @@ constexpr double kUniform = 0.28867513459481287;
 // The diffuse part is what shading shows lights by: one that is less than its sigma is none as soon
 // as the sigma is this share of the brightest radiance.
 constexpr double kDiffuseShare = 0.05;
-// Of what is spread over orders of magnitude, the highlight's strength and width: sigmas per value
-// of which only the range is known (uniform in the logarithm, from 0.5 to 1e5).
+// Of what is spread over orders of magnitude, as the highlight's strength: sigmas per value of
+// which only the range is known, uniform in the logarithm, five orders of it.
 constexpr double kUnknownFactor = 3.5;
 constexpr double kMostRoughness = 90.0;  // degrees
 constexpr double kFlatDeg = 5.0;         // normals within this say nothing of a direction
@@ -129,23 +129,47 @@ void AddReflectance(const Estimate& estimate, double most, Unknowns& unknowns) {
     unknowns.Add("reflectance/roughness_deg",
                  !sigma.roughness ||
                      IsUnknown(RadToDeg(r.roughness), RadToDeg(*sigma.roughness), kMostRoughness));
-  const model::Lobe& lobe = r.lobes[0];
-  if (!lobe.present()) return;
+}
+
+// What of a lobe is not known: its strength, its shape, and its peak, which depends on the shape
+// too unless the lobe is a power of a cosine.
+struct UnknownOfLobe {
+  bool strength, shape, peak;
+};
+
+UnknownOfLobe UnknownOf(const model::Lobe& lobe, const ReflectanceSigma::OfLobe& sigma,
+                        double most) {
+  const model::reflectance::LobeFacts& facts = model::FactsOf(lobe.model);
   model::Lobe unit = lobe;
   unit.strength = 1.0;
   const double scale = model::LobePeak(unit);
-  const ReflectanceSigma::OfLobe& of_lobe = sigma.lobes[0];
-  const bool peak = IsUnknownFactor(scale * lobe.strength, scale * of_lobe.strength, most);
-  const bool width = !of_lobe.shape || *of_lobe.shape > kUnknownFactor * lobe.shape;
-  unknowns.Add("reflectance/specular", peak);
-  unknowns.Add("reflectance/lobe/peak", peak);
-  const model::reflectance::LobeFacts& facts = model::FactsOf(lobe.model);
-  if (!facts.physical) unknowns.Add("reflectance/shininess", width);
-  if (facts.physical || r.lobes[1].present()) {
-    unknowns.Add("reflectance/lobes/0/specular", peak);
-    unknowns.Add(std::string("reflectance/lobes/0/") + facts.shape_key, width);
+  UnknownOfLobe out{};
+  out.strength = IsUnknownFactor(scale * lobe.strength, scale * sigma.strength, most);
+  // As above, of the range that the model allows: an alpha spans half as many orders as a
+  // shininess.
+  const double factor = kUniform * std::log(facts.most_shape / facts.least_shape);
+  out.shape = !sigma.shape || *sigma.shape > factor * lobe.shape;
+  out.peak = out.strength || (out.shape && !facts.cosine_power);
+  return out;
+}
+
+void AddLobes(const Estimate& estimate, double most, Unknowns& unknowns) {
+  const auto& lobes = estimate.reflectance.lobes;
+  if (!lobes[0].present()) return;
+  const UnknownOfLobe first = UnknownOf(lobes[0], estimate.sigma.lobes[0], most);
+  const bool listed = model::FactsOf(lobes[0].model).physical || lobes[1].present();
+  unknowns.Add("reflectance/specular", first.strength);
+  unknowns.Add("reflectance/lobe/peak", first.peak);
+  if (!model::FactsOf(lobes[0].model).physical) unknowns.Add("reflectance/shininess", first.shape);
+  unknowns.Add("reflectance/lobe/fwhm_deg", first.shape);
+  for (std::size_t k = 0; k < lobes.size() && listed && lobes[k].present(); ++k) {
+    const UnknownOfLobe unknown = UnknownOf(lobes[k], estimate.sigma.lobes[k], most);
+    const std::string key = "reflectance/lobes/" + std::to_string(k) + "/";
+    unknowns.Add(key + "specular", unknown.strength);
+    unknowns.Add(key + model::FactsOf(lobes[k].model).shape_key, unknown.shape);
+    unknowns.Add(key + "peak", unknown.peak);
+    unknowns.Add(key + "fwhm_deg", unknown.shape);
   }
-  unknowns.Add("reflectance/lobe/fwhm_deg", width);
 }
 
 // The keys for a person: three channels as one, and nothing that follows from another key.
@@ -153,9 +177,9 @@ std::string Shown(const std::vector<std::string>& keys) {
   std::vector<std::string> shown;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const std::string& key = keys[i];
-    if (key.find("/lobe/") != std::string::npos || key.ends_with("position") ||
-        key.ends_with("position_covariance"))
-      continue;
+    const bool of_lobe = key.find("/lobe/") != std::string::npos || key.ends_with("/peak") ||
+                         key.ends_with("/fwhm_deg");
+    if (of_lobe || key.ends_with("position") || key.ends_with("position_covariance")) continue;
     const std::string stem = key.substr(0, key.size() - 1);
     if (key.ends_with("/0") && i + 2 < keys.size() && keys[i + 1] == stem + "1" &&
         keys[i + 2] == stem + "2") {
@@ -186,6 +210,7 @@ Status LeaveOutUnknown(const observe::Observations& all, Estimate& out) {
   Unknowns unknowns;
   for (std::size_t i = 0; i < out.lights.size(); ++i) AddLight(out, i, most, unknowns);
   AddReflectance(out, most, unknowns);
+  AddLobes(out, most, unknowns);
   unknowns.Add("products/ambient", out.ambient_product, out.ambient_product_sigma, most, kUniform);
   out.undetermined = unknowns.keys();
   if (!out.undetermined.empty())

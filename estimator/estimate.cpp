@@ -91,8 +91,10 @@ select::Refined SearchAgain(const observe::Observations& all, double noise,
                         options.watch.stop);
 }
 
-void TakeNotes(const observe::Observations& all, const Levels& levels, Estimate& out) {
+void TakeNotes(const observe::Observations& all, const Levels& levels,
+               const model::ModelChoice& choice, Estimate& out) {
   AddNotes(out);
+  if (out.channels == 1 && choice.coloured.value_or(false)) AddNote("grey/colours", {}, out);
   AddCountNote(levels.noise, levels.brightest, out);
   if (all.radiance_unit != 1.0)
     AddNote("exposure", {{"level", Format("%.2g", all.radiance_unit)}}, out);
@@ -149,7 +151,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   if (const Status status = CheckLights(estimate, levels, evidence); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
-  TakeNotes(all, levels, estimate);
+  TakeNotes(all, levels, options.model, estimate);
   estimate.initial_s = started;
   estimate.solve_s = stopwatch.Seconds() - started;
   if (refined) *refined = std::move(result);

@@ -98,6 +98,9 @@ struct ReflectanceSigma {
   std::optional<double> roughness;
   Eigen::Matrix<double, model::kHarmonics, 1> harmonics =
       Eigen::Matrix<double, model::kHarmonics, 1>::Zero();
+  // Per channel, the largest 1 in the gauge of the lights' colours; 0 where all are white.
+  Eigen::Vector3d ambient_colour = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specular_colour = Eigen::Vector3d::Zero();
 };
 
 struct Note {

@@ -48,6 +48,8 @@ void FillSigmas(const uncertainty::Uncertainty& sigma, double specular_limit, Es
   out.sigma.diffuse = sigma.diffuse;
   out.sigma.harmonics = sigma.harmonics;
   out.ambient_product_sigma = sigma.ambient_product;
+  out.sigma.ambient_colour = sigma.ambient_colour;
+  out.sigma.specular_colour = sigma.specular_colour;
   for (std::size_t k = 0; k < model::kMostLobes; ++k) {
     const uncertainty::LobeSigma& lobe = sigma.lobes[k];
     out.sigma.lobes[k].strength = lobe.strength;

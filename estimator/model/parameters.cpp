@@ -30,7 +30,7 @@ constexpr Row kTable[] = {
     {ParameterKind::kDiffuse, "diffuse", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kStrength, "specular", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kShape, "", Chart::kLogarithm, 0.0, kInfinity, 1.0},
-    {ParameterKind::kF0, "f0", Chart::kLinear, 0.0, 1.0, 0.3},
+    {ParameterKind::kF0, "f0", Chart::kLinear, kLeastF0, 1.0, 0.3},
     {ParameterKind::kRoughness, "roughness", Chart::kSquare, 0.0, kMaxRoughness, 0.2},
     {ParameterKind::kIntensity, "intensity", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kTangent, "direction", Chart::kTangent, -kInfinity, kInfinity, 0.3},

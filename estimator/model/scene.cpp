@@ -12,6 +12,15 @@ namespace {
 
 using Numbers = reflectance::Scalar<double>;
 
+// What the function gives for the formulas of a lobe's model; without a model for those of Phong.
+template <typename Function>
+auto VisitLobe(SpecularModel model, const Function& function) {
+  decltype(function(reflectance::Phong{})) result{};
+  const auto take = [&](auto formulas) { result = function(formulas); };
+  if (!reflectance::Lobes::Visit(static_cast<int>(model) - 1, take)) take(reflectance::Phong{});
+  return result;
+}
+
 }  // namespace
 
 Light Recentred(const Light& light, const Eigen::Vector3d& new_origin) {
@@ -51,10 +60,7 @@ Scene WithoutFactors(Scene scene) {
 }
 
 const reflectance::LobeFacts& FactsOf(SpecularModel model) {
-  const reflectance::LobeFacts* facts = &reflectance::Phong::kFacts;
-  reflectance::Lobes::Visit(static_cast<int>(model) - 1,
-                            [&](auto lobe) { facts = &decltype(lobe)::kFacts; });
-  return *facts;
+  return *VisitLobe(model, [](auto of) { return &decltype(of)::kFacts; });
 }
 
 const reflectance::DiffuseFacts& FactsOf(DiffuseModel model) {
@@ -91,8 +97,7 @@ double SpecularTerm(const Lobe& lobe, const Eigen::Vector3d& normal,
                     const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer) {
   const double nl = normal.dot(to_light), nv = normal.dot(to_viewer);
   if (nl <= 0.0 || !lobe.present()) return 0.0;
-  double value = 0.0;
-  reflectance::Lobes::Visit(static_cast<int>(lobe.model) - 1, [&](auto of) {
+  return VisitLobe(lobe.model, [&](auto of) {
     using Model = decltype(of);
     // The cosine is taken from the chord between the two unit vectors: near 1 the dot product has
     // lost what a narrow lobe needs.
@@ -100,19 +105,15 @@ double SpecularTerm(const Lobe& lobe, const Eigen::Vector3d& normal,
     const Eigen::Vector3d axis = mirrored ? Eigen::Vector3d(2.0 * nv * normal - to_viewer) : normal;
     const Eigen::Vector3d half =
         mirrored ? to_light : Eigen::Vector3d((to_light + to_viewer).normalized());
-    value = Model::template Evaluate<Numbers>(
-                lobe.shape, lobe.f0,
-                {0.5 * (half - axis).squaredNorm(), nl, nv, to_viewer.dot(half), 1.0})
-                .value;
+    return Model::template Evaluate<Numbers>(
+               lobe.shape, lobe.f0,
+               {0.5 * (half - axis).squaredNorm(), nl, nv, to_viewer.dot(half), 1.0})
+        .value;
   });
-  return value;
 }
 
 double LobeHalfWidth(const Lobe& lobe) {
-  double width = reflectance::Phong::HalfWidth(lobe.shape);
-  reflectance::Lobes::Visit(static_cast<int>(lobe.model) - 1,
-                            [&](auto of) { width = decltype(of)::HalfWidth(lobe.shape); });
-  return width;
+  return VisitLobe(lobe.model, [&](auto of) { return decltype(of)::HalfWidth(lobe.shape); });
 }
 
 double MirroredHalfWidth(const Lobe& lobe) {
@@ -120,10 +121,7 @@ double MirroredHalfWidth(const Lobe& lobe) {
 }
 
 double LobeInverseVariance(const Lobe& lobe) {
-  double inverse = reflectance::Phong::InverseVariance(lobe.shape);
-  reflectance::Lobes::Visit(static_cast<int>(lobe.model) - 1,
-                            [&](auto of) { inverse = decltype(of)::InverseVariance(lobe.shape); });
-  return inverse;
+  return VisitLobe(lobe.model, [&](auto of) { return decltype(of)::InverseVariance(lobe.shape); });
 }
 
 LobeSlopes LobeSlopesOf(const Lobe& lobe) {
@@ -141,6 +139,7 @@ double LobePeak(const Lobe& lobe) {
 Lobe Converted(const Lobe& lobe, SpecularModel model) {
   Lobe out = lobe;
   out.model = model;
+  if (!FactsOf(model).physical) out.f0 = 1.0;
   if (!out.present()) {
     out.strength = 0.0;
     return out;
@@ -150,8 +149,7 @@ Lobe Converted(const Lobe& lobe, SpecularModel model) {
   const double scale =
       (from.about_mirrored_view ? 4.0 : 1.0) / (to.about_mirrored_view ? 4.0 : 1.0);
   const double inverse = scale * LobeInverseVariance(lobe);
-  reflectance::Lobes::Visit(static_cast<int>(model) - 1,
-                            [&](auto of) { out.shape = decltype(of)::ShapeOf(inverse); });
+  out.shape = VisitLobe(model, [&](auto of) { return decltype(of)::ShapeOf(inverse); });
   out.shape = std::clamp(out.shape, to.least_shape, to.most_shape);
   const auto peak = [](Lobe of) {
     of.strength = 1.0;
@@ -160,6 +158,12 @@ Lobe Converted(const Lobe& lobe, SpecularModel model) {
   };
   out.strength = lobe.strength * (peak(lobe) / peak(out));
   return out;
+}
+
+void SetLobeModel(Reflectance& reflectance, SpecularModel model) {
+  Lobe& first = reflectance.lobes[0];
+  if (model != first.model) first = Converted(first, model);
+  if (!first.present()) reflectance.lobes[1] = Lobe{};
 }
 
 Eigen::Vector3d Shade(const Scene& scene, const Eigen::Vector3d& p_W,

@@ -48,16 +48,16 @@ Light Recentred(const Light& light, const Eigen::Vector3d& new_origin);
 enum class DiffuseModel { kLambert, kOrenNayar, kCoated };
 enum class SpecularModel { kNone, kPhong, kBlinnPhong, kBeckmann, kGgx };
 
-// What an exponent may be: from hardly a lobe to one that is narrower than pixels.
-inline constexpr double kMinShininess = 0.5;
-inline constexpr double kMaxShininess = 1e5;
+// The least F0 of a physical lobe: at 0 it would reflect nothing straight on, and nothing could be
+// said of its strength there.
+inline constexpr double kLeastF0 = 0.01;
 
 // One lobe: k_s f_s of the design. See reflectance/ for the formulas.
 struct Lobe {
   SpecularModel model = SpecularModel::kNone;
   double strength = 0.0;  // k_s >= 0
   double shape = 1.0;     // the exponent n, or the roughness alpha; within the model's facts
-  double f0 = 1.0;  // of a physical lobe: F at normal incidence, 0 to 1; 1 is F = 1 everywhere
+  double f0 = 1.0;  // of a physical lobe: F at normal incidence, kLeastF0 to 1 (F = 1 everywhere)
 
   bool present() const { return model != SpecularModel::kNone; }
 };
@@ -134,8 +134,10 @@ LobeSlopes LobeSlopesOf(const Lobe& lobe);
 // k_s f_s where the viewer looks straight at the mirrored light, at normal incidence.
 double LobePeak(const Lobe& lobe);
 // A lobe of another model that is as wide and as bright at its peak. What has no model counts as
-// Phong.
+// Phong. Of what is not physical F0 is 1.
 Lobe Converted(const Lobe& lobe, SpecularModel model);
+// Converts the first lobe, unless it is of that model. Without a first there is no second.
+void SetLobeModel(Reflectance& reflectance, SpecularModel model);
 
 // At most this many lights in a scene: one bit each says which of them a point sees.
 inline constexpr std::size_t kMaxLights = 64;

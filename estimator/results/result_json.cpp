@@ -7,6 +7,7 @@
 
 #include "base/angles.h"
 #include "base/messages/messages.h"
+#include "estimator/results/null_notes.h"
 #include "estimator/results/scene_json.h"
 
 namespace turnlight::estimator::results {
@@ -59,6 +60,13 @@ bool IsOrenNayar(const Estimate& estimate) {
   return estimate.reflectance.diffuse_model == model::DiffuseModel::kOrenNayar;
 }
 
+bool HasAmbientColour(const Estimate& estimate) {
+  return estimate.reflectance.ambient_colour != Eigen::Vector3d::Ones();
+}
+bool HasSpecularColour(const Estimate& estimate) {
+  return HasLobe(estimate) && estimate.reflectance.specular_colour != Eigen::Vector3d::Ones();
+}
+
 bool IsZero(double value) { return value == 0.0; }
 bool IsZero(const Eigen::Vector3d& value) { return value.isZero(0.0); }
 
@@ -96,7 +104,7 @@ ordered_json LightBudget(const Estimate& estimate, std::size_t light) {
 
 ordered_json ReflectanceBudget(const Estimate& estimate) {
   using uncertainty::Uncertainty;
-  const auto of = [&](double Uncertainty::*member) {
+  const auto of = [&](auto Uncertainty::*member) {
     return BudgetOf(estimate, [member](const Uncertainty& sigma) { return sigma.*member; });
   };
   const auto of_lobe = [&](double uncertainty::LobeSigma::*member) {
@@ -104,7 +112,7 @@ ordered_json ReflectanceBudget(const Estimate& estimate) {
                     [member](const Uncertainty& sigma) { return sigma.lobes[0].*member; });
   };
   ordered_json json;
-  json["albedo"] = BudgetOf(estimate, [](const Uncertainty& sigma) { return sigma.albedo; });
+  json["albedo"] = of(&Uncertainty::albedo);
   json["ambient"] = of(&Uncertainty::ambient);
   json["diffuse"] = of(&Uncertainty::diffuse);
   json["specular"] =
@@ -114,6 +122,8 @@ ordered_json ReflectanceBudget(const Estimate& estimate) {
   if (IsOrenNayar(estimate))
     json["roughness_deg"] =
         BudgetOf(estimate, [](const Uncertainty& sigma) { return RadToDeg(sigma.roughness); });
+  if (HasAmbientColour(estimate)) json["ambient_color"] = of(&Uncertainty::ambient_colour);
+  if (HasSpecularColour(estimate)) json["specular_color"] = of(&Uncertainty::specular_colour);
   return json;
 }
 
@@ -194,6 +204,8 @@ ordered_json SigmaToJson(const Estimate& estimate, const ReflectanceSigma& sigma
         sigma.roughness ? ToJson(RadToDeg(*sigma.roughness)) : ordered_json(nullptr);
   if (!estimate.reflectance.harmonics.isZero(0.0))
     json["ambient_harmonics"] = ToJson(sigma.harmonics);
+  if (HasAmbientColour(estimate)) json["ambient_color"] = ToJson(sigma.ambient_colour);
+  if (HasSpecularColour(estimate)) json["specular_color"] = ToJson(sigma.specular_colour);
   return json;
 }
 
@@ -254,18 +266,21 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
   if (HasLobe(estimate))
     json["lobe"] = ordered_json{{"peak", ToJson(model::LobePeak(reflectance.lobes[0]))},
                                 {"fwhm_deg", ToJson(LobeWidthDeg(reflectance.lobes[0]))}};
-  const Eigen::Vector3d white = Eigen::Vector3d::Ones();
-  if (reflectance.ambient_colour != white)
-    json["ambient_color"] = ToJson(reflectance.ambient_colour);
-  if (reflectance.specular_colour != white && HasLobe(estimate))
-    json["specular_color"] = ToJson(reflectance.specular_colour);
+  if (HasAmbientColour(estimate)) json["ambient_color"] = ToJson(reflectance.ambient_colour);
+  if (HasSpecularColour(estimate)) json["specular_color"] = ToJson(reflectance.specular_colour);
   if (!reflectance.harmonics.isZero(0.0)) json["ambient_harmonics"] = ToJson(reflectance.harmonics);
   if (NeedsLobeList(reflectance)) json["lobes"] = LobesToJson(estimate);
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
   const uncertainty::Uncertainty& stat = estimate.stat;
   if (!estimate.has_sigmas) return json;
-  ReflectanceSigma of_noise{stat.albedo, stat.ambient, stat.diffuse, {}, stat.roughness, {}};
+  ReflectanceSigma of_noise;
+  of_noise.albedo = stat.albedo;
+  of_noise.ambient = stat.ambient;
+  of_noise.diffuse = stat.diffuse;
+  of_noise.roughness = stat.roughness;
   of_noise.harmonics = stat.harmonics;
+  of_noise.ambient_colour = stat.ambient_colour;
+  of_noise.specular_colour = stat.specular_colour;
   of_noise.lobes[0] = {stat.lobes[0].strength, stat.lobes[0].shape, std::nullopt};
   json["sigma"]["stat"] = SigmaToJson(estimate, of_noise);
   json["sigma"]["budget"] = ReflectanceBudget(estimate);
@@ -294,65 +309,6 @@ ordered_json ProductsToJson(const Estimate& estimate) {
   }
   json["budget"] = ProductsBudget(estimate);
   return json;
-}
-
-// "1", "1 and 3", "1, 2 and 3": lights as people count them.
-std::string List(const std::vector<std::size_t>& numbers) {
-  std::string text;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (i > 0) text += i + 1 == numbers.size() ? " and " : ", ";
-    text += std::to_string(numbers[i]);
-  }
-  return text;
-}
-
-// Why some values of the file are null, where the estimator has not said it ("distance-unknown",
-// "no-highlight").
-std::vector<Note> NotesOnNulls(const Estimate& estimate) {
-  std::vector<Note> notes;
-  const auto add = [&notes](const std::string& id, const messages::Values& values) {
-    notes.push_back({messages::CodeOf(id), messages::Text(id, values)});
-  };
-  std::vector<std::size_t> unbounded;
-  for (std::size_t i = 0; i < estimate.lights.size(); ++i)
-    if (!estimate.lights[i].distance_min) unbounded.push_back(i + 1);
-  if (!unbounded.empty()) add("null-distance-min", {{"lights", List(unbounded)}});
-  if (!estimate.lights.empty() && !estimate.lights.front().intensity_sigma)
-    add("null-intensity-sigma", {});
-  if (!std::isfinite(estimate.condition)) add("null-condition", {});
-  return notes;
-}
-
-// The sigmas that came out null: "lights/0/direction_sigma_deg", ...
-void CollectNullSigmas(const ordered_json& json, const std::string& path, std::string& list) {
-  const bool is_sigma = path.find("sigma") != std::string::npos;
-  const bool explained =
-      path.ends_with("distance_sigma") && !path.ends_with("inverse_distance_sigma");
-  if (json.is_null() && is_sigma && !explained) list += (list.empty() ? "" : ", ") + path;
-  if (json.is_structured())
-    for (const auto& [key, value] : json.items())
-      CollectNullSigmas(value, std::string(path).append("/").append(key), list);
-}
-
-void NoteNullSigmas(const Estimate& estimate, ordered_json& json) {
-  std::string list;
-  for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
-    ordered_json light = json["lights"][i];
-    for (const char* key : {"stat", "budget"}) light.erase(key);
-    if (i == 0) light.erase("intensity_sigma");
-    CollectNullSigmas(light, "lights/" + std::to_string(i), list);
-  }
-  ordered_json reflectance = json["reflectance"]["sigma"];
-  for (const char* key : {"stat", "budget"}) reflectance.erase(key);
-  if (!HasLobe(estimate)) reflectance.erase("specular");
-  if (!HasShininess(estimate)) reflectance.erase("shininess");
-  CollectNullSigmas(reflectance, "reflectance/sigma", list);
-  ordered_json products = json["products"];
-  for (const char* key : {"stat", "budget"}) products.erase(key);
-  CollectNullSigmas(products, "products", list);
-  if (!list.empty())
-    json["notes"].push_back(ordered_json{{"code", "null-sigma"},
-                                         {"text", messages::Text("null-sigma", {{"list", list}})}});
 }
 
 ordered_json NotesToJson(const Estimate& estimate) {
@@ -395,7 +351,10 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
   json["identifiability"] =
       ordered_json{{"condition", ToJson(estimate.condition)}, {"weak", estimate.weak}};
   json["notes"] = NotesToJson(estimate);
-  if (estimate.has_sigmas) NoteNullSigmas(estimate, json);
+  const std::string null_sigmas = estimate.has_sigmas ? NullSigmas(estimate, json) : "";
+  if (!null_sigmas.empty())
+    json["notes"].push_back(ordered_json{
+        {"code", "null-sigma"}, {"text", messages::Text("null-sigma", {{"list", null_sigmas}})}});
   for (const std::string& key : estimate.undetermined)
     json[ordered_json::json_pointer("/" + key)] = nullptr;
   json["views"] = estimate.views;

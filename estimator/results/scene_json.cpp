@@ -159,7 +159,8 @@ double SpecularOf(StrictObject& object, SpecularModel model) {
   return object.Number("specular", {.min = 0.0});
 }
 
-// The keys of one lobe. One that is not there has no width: its shape may be absent.
+// The keys of one lobe. One without strength has no width: its shape may be absent, or less than
+// any lobe's.
 Lobe LobeOf(StrictObject& object, SpecularModel model) {
   Lobe lobe{model, SpecularOf(object, model)};
   const reflectance::LobeFacts& facts = model::FactsOf(model);
@@ -167,10 +168,12 @@ Lobe LobeOf(StrictObject& object, SpecularModel model) {
   if (lobe.strength > 0.0)
     lobe.shape = object.Number(key, {.min = facts.least_shape, .max = facts.most_shape});
   else
-    lobe.shape =
-        OptionalNumberOrNull(object, key, {.min = 0.0, .max = facts.most_shape}).value_or(1.0);
+    lobe.shape = std::max(
+        OptionalNumberOrNull(object, key, {.min = 0.0, .max = facts.most_shape}).value_or(1.0),
+        facts.least_shape);
   if (facts.physical)
-    lobe.f0 = OptionalNumberOrNull(object, "f0", {.min = 0.0, .max = 1.0}).value_or(1.0);
+    lobe.f0 =
+        OptionalNumberOrNull(object, "f0", {.min = model::kLeastF0, .max = 1.0}).value_or(1.0);
   return lobe;
 }
 
@@ -293,41 +296,7 @@ Result<SceneRead> Read(const std::string& text, const std::string& file, Purpose
   return ReadResult(std::move(object), purpose);
 }
 
-nlohmann::ordered_json VectorToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-nlohmann::ordered_json TruthLight(const Light& light) {
-  nlohmann::ordered_json json;
-  json["direction"] = VectorToJson(light.direction);
-  json["position"] = nullptr;
-  if (light.inverse_distance > 0.0)
-    json["position"] = VectorToJson(light.direction / light.inverse_distance);
-  json["inverse_distance"] = light.inverse_distance;
-  json["intensity"] = light.intensity;
-  if (light.color != Eigen::Vector3d::Ones()) json["color"] = VectorToJson(light.color);
-  if (!light.factors.empty()) json["factors"] = light.factors;
-  return json;
-}
-
 }  // namespace
-
-bool NeedsLobeList(const Reflectance& r) {
-  return r.lobes[0].present() &&
-         (model::FactsOf(r.lobes[0].model).physical || r.lobes[1].present());
-}
-
-nlohmann::ordered_json LobeList(const Reflectance& r) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Lobe& lobe : r.lobes) {
-    if (!lobe.present()) continue;
-    const reflectance::LobeFacts& facts = model::FactsOf(lobe.model);
-    auto& json = list.emplace_back();
-    json["model"] = facts.word;
-    json["specular"] = lobe.strength;
-    json[facts.shape_key] = lobe.shape;
-    if (facts.physical) json["f0"] = lobe.f0;
-  }
-  return list;
-}
 
 Reflectance ReadReflectance(StrictObject& object) {
   Reflectance reflectance;
@@ -371,32 +340,6 @@ Result<InitialGuess> ParseInitialGuess(const std::string& text, const std::strin
   }
   guess.reflectance = read->reflectance;
   return guess;
-}
-
-std::string TruthToJson(const Scene& scene, const std::string& note) {
-  nlohmann::ordered_json json;
-  json["lights"] = nlohmann::ordered_json::array();
-  for (const Light& light : scene.lights) json["lights"].push_back(TruthLight(light));
-  const Reflectance& r = scene.reflectance;
-  auto& out = json["reflectance"];
-  out["model"] = WordOf(r.lobes[0].model);
-  out["albedo"] = VectorToJson(r.albedo);
-  out["ambient"] = r.ambient;
-  out["diffuse"] = r.diffuse;
-  const Lobe& first = r.lobes[0];
-  out["specular"] = first.present() ? first.strength : 0.0;
-  const bool listed = NeedsLobeList(r);
-  out["shininess"] = first.present() && !listed ? nlohmann::ordered_json(first.shape) : nullptr;
-  if (listed) out["lobes"] = LobeList(r);
-  const Eigen::Vector3d white = Eigen::Vector3d::Ones();
-  if (r.ambient_colour != white) out["ambient_color"] = VectorToJson(r.ambient_colour);
-  if (!r.harmonics.isZero(0.0))
-    out["ambient_harmonics"] = std::vector<double>(r.harmonics.begin(), r.harmonics.end());
-  if (r.specular_colour != white) out["specular_color"] = VectorToJson(r.specular_colour);
-  if (r.diffuse_model != DiffuseModel::kLambert) out["diffuse_model"] = WordOf(r.diffuse_model);
-  if (model::FactsOf(r.diffuse_model).has_shape) out["roughness_deg"] = RadToDeg(r.roughness);
-  if (!note.empty()) json["note"] = note;
-  return json.dump(1) + "\n";
 }
 
 }  // namespace turnlight::estimator::results

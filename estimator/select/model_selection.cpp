@@ -36,6 +36,12 @@ double RobustSigma(const observe::Observations& all, const model::Scene& scene,
   return static_cast<double>(Median(residuals)) / kMedianOfNormal;
 }
 
+void SolveOnWithSplits(const observe::Observations& observations, Refined& out) {
+  SolveOn(observations, out);
+  if (StopRequested(out.options.stop)) return;
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+}
+
 // Where the residual is mere noise, squares are the best there is. Where it is more, what is left
 // is texture, dirt, or what the model lacks, and large residuals say little about the lights.
 void ChooseLoss(const observe::Observations& observations, double noise, Refined& out,
@@ -65,7 +71,8 @@ void ChooseSpecular(const observe::Observations& observations, Refined& out,
   const uncertainty::Reported reported = uncertainty::Report(scene, observations, order);
   // The highlight as it is at the target, wherever W's origin is.
   double strongest = 0.0;
-  for (const model::Light& light : scene.lights) strongest = std::max(strongest, light.intensity);
+  for (const model::Light& light : scene.lights)
+    strongest = std::max(strongest, model::Strength(light));
   const double peak = model::LobePeak(scene.reflectance.lobes[0]) * strongest;
   const double relative =
       sigma.lights.empty() || !(reported.lights.front().specular_product[0] > 0.0)
@@ -86,10 +93,17 @@ void ChooseSpecular(const observe::Observations& observations, Refined& out,
   };
   out.specular_sigma = product(sigmas.total);
   out.specular_sigma_stat = product(sigmas.stat);
-  out.solution.scene.reflectance.lobes[0] =
-      model::Converted(scene.reflectance.lobes[0], model::SpecularModel::kNone);
-  SolveOn(observations, out);
-  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+  model::SetLobeModel(out.solution.scene.reflectance, model::SpecularModel::kNone);
+  SolveOnWithSplits(observations, out);
+}
+
+// Lobes stay as bright straight on.
+void SetF0(double f0, model::Reflectance& reflectance) {
+  for (model::Lobe& lobe : reflectance.lobes) {
+    if (!lobe.present() || !model::FactsOf(lobe.model).physical) continue;
+    lobe.strength *= lobe.f0 / f0;
+    lobe.f0 = f0;
+  }
 }
 
 // Of a physical lobe F is 1 everywhere unless the views tell F0 from that.
@@ -98,12 +112,11 @@ void ChooseFresnel(const observe::Observations& observations, Refined& out,
   const auto& lobes = out.solution.scene.reflectance.lobes;
   if (!lobes[0].present() || !model::FactsOf(lobes[0].model).physical) return;
   const Refined held = out;
-  // A start at the bound would be held there.
-  out.solution.scene.reflectance.lobes[0].f0 = kFirstF0;
+  // A start at the bound would be held there; one that the user gave stays.
+  if (!(lobes[0].f0 < 1.0)) SetF0(kFirstF0, out.solution.scene.reflectance);
   out.options.free_f0 = true;
-  SolveOn(observations, out);
+  SolveOnWithSplits(observations, out);
   if (StopRequested(out.options.stop)) return;
-  out.splits = uncertainty::SplitResiduals(observations, out.solution);
   const auto order = uncertainty::StrengthOrder(out.solution.scene, observations);
   const double sigma = uncertainty::EstimateUncertainty(out.solution, observations, order,
                                                         out.views_per_distinct, out.splits)
@@ -115,7 +128,38 @@ void ChooseFresnel(const observe::Observations& observations, Refined& out,
                     Format("F0 is %.3g with sigma %.2g; it counts if it is below 1 by 3 sigma and "
                            "sigma is below %.2g",
                            f0, sigma, kKnownF0)});
-  if (!told) out = held;
+  if (told) return;
+  out = held;
+  if (!(lobes[0].f0 < 1.0)) return;
+  SetF0(1.0, out.solution.scene.reflectance);
+  SolveOnWithSplits(observations, out);
+}
+
+// Every light is white, ambient light and highlights too.
+void DropColours(Refined& out) {
+  model::Scene& scene = out.solution.scene;
+  scene.free_colours = false;
+  for (model::Light& light : scene.lights) light.color.setOnes();
+  scene.reflectance.ambient_colour.setOnes();
+  scene.reflectance.specular_colour.setOnes();
+  out.options.white.clear();
+}
+
+// Ambient light alone: its colour is the albedo's.
+void DropColoursOfNoLight(const observe::Observations& observations, Refined& out) {
+  model::Reflectance& r = out.solution.scene.reflectance;
+  r.albedo = r.albedo.cwiseProduct(r.ambient_colour);
+  DropColours(out);
+  SolveOnWithSplits(observations, out);
+}
+
+// What `--model color=` asked for, and whether it could be had.
+void TellColoursAskedFor(const model::Scene& scene, bool grey, bool asked,
+                         std::vector<model::Rung>& ladder) {
+  const char* why = "as asked for";
+  if (asked && grey) why = "asked for, but the pictures have one channel, which shows no colour";
+  if (asked && !grey && scene.lights.empty()) why = "asked for, but there is no light";
+  ladder.push_back({"colours", scene.free_colours, why});
 }
 
 // A light is coloured if a channel of its colour is off white, or off the strongest light's, by
@@ -123,6 +167,9 @@ void ChooseFresnel(const observe::Observations& observations, Refined& out,
 void ChooseColours(const observe::Observations& observations, const model::ModelChoice& choice,
                    Refined& out, std::vector<model::Rung>& ladder) {
   model::Scene& scene = out.solution.scene;
+  if (scene.free_colours && scene.lights.empty()) DropColoursOfNoLight(observations, out);
+  if (choice.coloured)
+    TellColoursAskedFor(scene, observations.channels == 1, *choice.coloured, ladder);
   if (!scene.free_colours || choice.coloured) return;
   const auto order = uncertainty::StrengthOrder(scene, observations);
   const uncertainty::Uncertainty sigma =
@@ -148,18 +195,11 @@ void ChooseColours(const observe::Observations& observations, const model::Model
                              "and 3 sigma",
                              most, sigmas, kMinColour)});
   }
-  const auto gauge = scene.lights[order.empty() ? 0 : order[0]].color;
+  const Eigen::Vector3d gauge = scene.lights[order[0]].color;
   for (std::size_t l = 0; l < scene.lights.size(); ++l)
-    if (out.options.white[l]) scene.lights[l].color = any ? gauge : Eigen::Vector3d::Ones();
-  if (!any) {
-    scene.free_colours = false;
-    scene.reflectance.ambient_colour.setOnes();
-    scene.reflectance.specular_colour.setOnes();
-    out.options.white.clear();
-  }
-  SolveOn(observations, out);
-  if (StopRequested(out.options.stop)) return;
-  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+    if (out.options.white[l]) scene.lights[l].color = gauge;
+  if (!any) DropColours(out);
+  SolveOnWithSplits(observations, out);
 }
 
 // A light is near if its inverse distance about the reference, in 1/R, says so.
@@ -199,8 +239,7 @@ void ChooseDistances(const observe::Observations& observations, const model::Mod
       out.options.fixed_distance[l] = true;
       out.solution.scene.lights[l].inverse_distance = 0.0;
     }
-  SolveOn(observations, out);
-  out.splits = uncertainty::SplitResiduals(observations, out.solution);
+  SolveOnWithSplits(observations, out);
 }
 
 model::Scene AsChosen(model::Scene scene, const model::ModelChoice& choice) {

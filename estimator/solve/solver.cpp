@@ -30,6 +30,11 @@ struct Limits {
   model::ParameterLimits within;
 };
 
+// Whether one of the options' lists says so of a light; what a list has not it says not.
+bool Says(const std::vector<bool>& list, std::size_t light) {
+  return light < list.size() && list[light];
+}
+
 // Whether a parameter that the scene has is held: by the gauge, the models or the options.
 bool Held(const model::Parameter& parameter, const model::Scene& start, int gauge_channel,
           const SolveOptions& options) {
@@ -58,10 +63,10 @@ bool Held(const model::Parameter& parameter, const model::Scene& start, int gaug
     case kTangent:
       return !options.free_directions;
     case kInverseDistance:
-      return !options.fixed_distance.empty() && options.fixed_distance[owner];
+      return Says(options.fixed_distance, owner);
     case kColour:
       // The strongest light's is the gauge; the others' have a strength beside them.
-      return owner == Strongest(start.lights) || (!options.white.empty() && options.white[owner]) ||
+      return Says(options.white, owner) || owner == Strongest(start.lights) ||
              parameter.part == largest(start.lights[owner].color);
     case kAmbientColour:
       return parameter.owner == largest(r.ambient_colour);

@@ -17,7 +17,7 @@ Candidate BestWithoutOne(const Sample& sample, const Candidate& full, double noi
   std::vector<std::size_t> order(full.scene.lights.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return full.scene.lights[a].intensity < full.scene.lights[b].intensity;
+    return model::Strength(full.scene.lights[a]) < model::Strength(full.scene.lights[b]);
   });
   order.resize(std::min<std::size_t>(order.size(), 4));
   std::optional<Candidate> best;

@@ -52,8 +52,7 @@ Candidate WithDiffuse(Candidate candidate, model::DiffuseModel model) {
 }
 
 Candidate WithLobe(Candidate candidate, model::SpecularModel model) {
-  model::Reflectance& r = candidate.scene.reflectance;
-  if (model != r.lobes[0].model) r.lobes[0] = model::Converted(r.lobes[0], model);
+  model::SetLobeModel(candidate.scene.reflectance, model);
   return candidate;
 }
 
@@ -214,18 +213,31 @@ Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
 
 namespace {
 
-// A surface that was tried: a lobe, and whether the diffuse part lies under a coat.
+// A surface that is tried: a lobe on a diffuse model.
 struct Surface {
   model::SpecularModel lobe;
-  bool coated;
+  model::DiffuseModel diffuse;
   Candidate fitted;
 
-  // Phong without a coat is the simplest; each other thing must make the excess 1.25 times smaller.
-  double Price() const {
-    return fitted.excess * (lobe == model::SpecularModel::kPhong ? 1.0 : kLobeRatio) *
-           (coated ? kCoatRatio : 1.0);
-  }
+  bool coated() const { return diffuse == model::DiffuseModel::kCoated; }
 };
+
+// What may be, the simplest first: that of the candidate. What the user chose is not varied. All of
+// them together: a lobe that is wrong and a coat that lacks can stand for each other.
+std::vector<Surface> SurfacesToTry(const Sample& sample, const Candidate& candidate) {
+  const model::Reflectance& r = candidate.scene.reflectance;
+  std::vector<model::SpecularModel> lobes{r.lobes[0].model};
+  for (int number = 1; number <= reflectance::Lobes::kCount && !sample.choice.specular; ++number)
+    if (const auto lobe = static_cast<model::SpecularModel>(number); lobe != lobes[0])
+      lobes.push_back(lobe);
+  std::vector<model::DiffuseModel> bodies{r.diffuse_model};
+  if (!sample.choice.diffuse && r.diffuse_model != model::DiffuseModel::kCoated)
+    bodies.push_back(model::DiffuseModel::kCoated);
+  std::vector<Surface> surfaces;
+  for (const model::DiffuseModel body : bodies)
+    for (const model::SpecularModel lobe : lobes) surfaces.push_back({lobe, body, {}});
+  return surfaces;
+}
 
 // The least excess of those that a condition chooses.
 template <typename Condition>
@@ -236,67 +248,90 @@ double LeastExcess(const std::vector<Surface>& surfaces, const Condition& condit
   return least;
 }
 
-void TellSurfaces(const std::vector<Surface>& surfaces, const Surface& taken,
-                  std::vector<model::Rung>& ladder) {
-  const auto of_lobe = [&](model::SpecularModel lobe) {
+// The simplest is taken unless another is worth it: another lobe and a coat must each make the
+// excess so many times smaller, without more lights.
+Surface& Cheapest(const Sample& sample, std::vector<Surface>& surfaces) {
+  Surface& simplest = surfaces.front();
+  const auto price = [&](const Surface& surface) {
+    return surface.fitted.excess * (surface.lobe == simplest.lobe ? 1.0 : kLobeRatio) *
+           (surface.diffuse == simplest.diffuse ? 1.0 : kCoatRatio);
+  };
+  Surface& best =
+      *std::min_element(surfaces.begin(), surfaces.end(),
+                        [&](const Surface& a, const Surface& b) { return price(a) < price(b); });
+  if (&best == &simplest) return simplest;
+  const std::size_t lights = simplest.fitted.scene.lights.size();
+  best.fitted = Eliminate(sample, best.fitted);
+  return best.fitted.scene.lights.size() > lights ? simplest : best;
+}
+
+// Of each lobe but Phong, the simplest.
+void TellLobes(const std::vector<Surface>& surfaces, const Surface& taken,
+               std::vector<model::Rung>& ladder) {
+  const auto least = [&](model::SpecularModel lobe) {
     return LeastExcess(surfaces, [&](const Surface& surface) { return surface.lobe == lobe; });
   };
-  const double phong = of_lobe(model::SpecularModel::kPhong);
-  for (int number = 1; number < model::reflectance::Lobes::kCount; ++number) {
-    const auto lobe = static_cast<model::SpecularModel>(number + 1);
+  const double phong = least(model::SpecularModel::kPhong);
+  for (int number = 2; number <= reflectance::Lobes::kCount; ++number) {
+    const auto lobe = static_cast<model::SpecularModel>(number);
     const reflectance::LobeFacts& facts = model::FactsOf(lobe);
     ladder.push_back(
         {facts.word, taken.lobe == lobe,
          Format("excess variance %.3g with Phong, %.3g with %s; it counts from a ratio of %.2f",
-                phong, of_lobe(lobe), facts.name, kLobeRatio)});
+                phong, least(lobe), facts.name, kLobeRatio)});
   }
-  const auto under = [&](bool coated) {
-    return LeastExcess(surfaces, [&](const Surface& surface) { return surface.coated == coated; });
+}
+
+void TellCoat(const std::vector<Surface>& surfaces, const Surface& taken,
+              std::vector<model::Rung>& ladder) {
+  const auto least = [&](bool coated) {
+    return LeastExcess(surfaces,
+                       [&](const Surface& surface) { return surface.coated() == coated; });
   };
-  if (!std::isfinite(under(true))) return;
-  ladder.push_back({model::FactsOf(model::DiffuseModel::kCoated).word, taken.coated,
+  ladder.push_back({model::FactsOf(model::DiffuseModel::kCoated).word, taken.coated(),
                     Format("excess variance %.3g without a coat over the diffuse part, %.3g with "
                            "one; it counts from a ratio of %.2f",
-                           under(false), under(true), kCoatRatio)});
+                           least(false), least(true), kCoatRatio)});
+}
+
+// What is not varied, because the user chose it or nothing is left to explain.
+void TellWhatStands(const Sample& sample, const Candidate& candidate,
+                    std::vector<model::Rung>& ladder) {
+  const std::string first = model::FactsOf(model::SpecularModel::kBlinnPhong).word;
+  if (const auto& asked = sample.choice.specular) {
+    const bool plain =
+        *asked == model::SpecularModel::kNone || *asked == model::SpecularModel::kPhong;
+    ladder.push_back({plain ? first : model::FactsOf(*asked).word, !plain, "as asked for"});
+  } else if (NothingLeft(candidate.excess, sample)) {
+    ladder.push_back({first, false,
+                      Format("with Phong the excess variance is %.3g: nothing is left to explain",
+                             candidate.excess)});
+  }
+  if (sample.choice.diffuse == model::DiffuseModel::kCoated)
+    ladder.push_back({model::FactsOf(*sample.choice.diffuse).word, true, "as asked for"});
 }
 
 }  // namespace
 
 Candidate ChooseLobeAndCoat(const Sample& sample, const Candidate& candidate,
                             std::vector<model::Rung>& ladder) {
-  const std::string first = model::FactsOf(model::SpecularModel::kBlinnPhong).word;
-  if (sample.choice.specular) {
-    const model::SpecularModel asked = *sample.choice.specular;
-    const bool plain =
-        asked == model::SpecularModel::kNone || asked == model::SpecularModel::kPhong;
-    ladder.push_back({plain ? first : model::FactsOf(asked).word, !plain, "as asked for"});
-  } else if (NothingLeft(candidate.excess, sample)) {
-    ladder.push_back({first, false,
-                      Format("with Phong the excess variance is %.3g: nothing is left to explain",
-                             candidate.excess)});
-  }
-  if (NothingLeft(candidate.excess, sample)) return candidate;
-  // All of them together: a lobe that is wrong and a coat that lacks can stand for each other.
-  std::vector<Surface> surfaces{{model::SpecularModel::kPhong, false, candidate}};
-  if (sample.choice.specular) surfaces[0].lobe = *sample.choice.specular;
-  for (const bool coated : {false, true})
-    for (int number = 0; number < model::reflectance::Lobes::kCount; ++number) {
-      const auto lobe = static_cast<model::SpecularModel>(number + 1);
-      if (sample.choice.specular && *sample.choice.specular != lobe) continue;
-      if ((sample.choice.diffuse && coated) || (lobe == surfaces[0].lobe && !coated)) continue;
-      Candidate start = WithLobe(candidate, lobe);
-      if (coated) start = WithDiffuse(std::move(start), model::DiffuseModel::kCoated);
-      surfaces.push_back({lobe, coated, Refit(sample, start, 40, sample.noise, kToKeep)});
+  TellWhatStands(sample, candidate, ladder);
+  std::vector<Surface> surfaces = SurfacesToTry(sample, candidate);
+  if (surfaces.size() == 1 || NothingLeft(candidate.excess, sample)) return candidate;
+  for (Surface& surface : surfaces) {
+    if (&surface == &surfaces.front()) {
+      surface.fitted = candidate;
+      continue;
     }
-  auto best =
-      std::min_element(surfaces.begin(), surfaces.end(),
-                       [](const Surface& a, const Surface& b) { return a.Price() < b.Price(); });
-  if (best != surfaces.begin()) {
-    best->fitted = Eliminate(sample, best->fitted);
-    if (best->fitted.scene.lights.size() > candidate.scene.lights.size()) best = surfaces.begin();
+    Candidate start = WithLobe(candidate, surface.lobe);
+    if (surface.diffuse != surfaces.front().diffuse)
+      start = WithDiffuse(std::move(start), surface.diffuse);
+    surface.fitted = Refit(sample, start, 40, sample.noise, kToKeep);
   }
-  if (!sample.choice.specular) TellSurfaces(surfaces, *best, ladder);
-  return best->fitted;
+  const Surface& taken = Cheapest(sample, surfaces);
+  if (!sample.choice.specular) TellLobes(surfaces, taken, ladder);
+  if (surfaces.back().diffuse != surfaces.front().diffuse) TellCoat(surfaces, taken, ladder);
+  return taken.fitted;
 }
 
 }  // namespace turnlight::estimator::start

@@ -10,17 +10,18 @@ namespace {
 
 constexpr double kMergeLimitDeg = 15.0;     // of the angle between two lights of any lobe
 constexpr double kNoLobeMergeDeg = 25.0;    // where diffuse shading alone tells them apart
-constexpr double kNegligibleShare = 0.005;  // of all lights' intensity
+constexpr double kNegligibleShare = 0.005;  // of all lights' strength
 
-// Two lights as one: intensities add, the rest is their weighted mean.
+// Two lights as one: intensities and colours add, the rest is the mean, weighted by strength.
 model::Light Merged(const model::Light& a, const model::Light& b) {
-  const double sum = std::max(a.intensity + b.intensity, 1e-300);
-  const double share = a.intensity / sum;
+  const double of_a = model::Strength(a);
+  const double share = of_a / std::max(of_a + model::Strength(b), 1e-300);
   model::Light out = a;
   out.direction = (share * a.direction + (1.0 - share) * b.direction).normalized();
   out.inverse_distance = share * a.inverse_distance + (1.0 - share) * b.inverse_distance;
   out.intensity = a.intensity + b.intensity;
-  if (a.color != b.color) out.color = share * a.color + (1.0 - share) * b.color;
+  if (a.color != b.color)
+    out.color = (a.intensity * a.color + b.intensity * b.color) / std::max(out.intensity, 1e-300);
   return out;
 }
 
@@ -36,12 +37,12 @@ bool MergeAndPrune(model::Scene& scene, std::size_t least) {
   std::vector<model::Light>& lights = scene.lights;
   const std::size_t before = lights.size();
   double total = 0.0;
-  for (const model::Light& light : lights) total += light.intensity;
+  for (const model::Light& light : lights) total += model::Strength(light);
   while (lights.size() > least) {
-    const auto weakest =
-        std::min_element(lights.begin(), lights.end(),
-                         [](const auto& a, const auto& b) { return a.intensity < b.intensity; });
-    if (!(weakest->intensity < kNegligibleShare * total)) break;
+    const auto weakest = std::min_element(
+        lights.begin(), lights.end(),
+        [](const auto& a, const auto& b) { return model::Strength(a) < model::Strength(b); });
+    if (!(model::Strength(*weakest) < kNegligibleShare * total)) break;
     lights.erase(weakest);
   }
   const double cosine = std::cos(MergeAngle(scene.reflectance));

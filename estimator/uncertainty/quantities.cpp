@@ -112,6 +112,12 @@ constexpr TargetRow kTargetRows[] = {
        std::copy(harmonics.begin(), harmonics.end(), out);
      },
      [](Uncertainty& out) { return out.harmonics.data(); }},
+    {OfTarget::kAmbientColour, 3,
+     [](const Reported& reported, double* out) { Put(reported.reflectance.ambient_colour, out); },
+     [](Uncertainty& out) { return out.ambient_colour.data(); }},
+    {OfTarget::kSpecularColour, 3,
+     [](const Reported& reported, double* out) { Put(reported.reflectance.specular_colour, out); },
+     [](Uncertainty& out) { return out.specular_colour.data(); }},
 };
 static_assert(sizeof(LobeSigma) == 3 * sizeof(double), "strength, shape, F0 side by side");
 

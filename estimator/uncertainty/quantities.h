@@ -30,6 +30,8 @@ enum class OfTarget {
   kRoughness,
   kAmbientProduct,  // R, G, B
   kHarmonics,
+  kAmbientColour,   // R, G, B
+  kSpecularColour,  // R, G, B
 };
 
 // Where a quantity begins.

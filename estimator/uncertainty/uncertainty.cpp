@@ -23,18 +23,23 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // say nothing about that direction.
 constexpr double kNullShare = 1e-11;
 constexpr double kWeakShare = 1e-7;
+
+// Of a lobe without strength, which is nowhere in the pictures: its shape and F0 change nothing.
+bool IsNowhere(const model::Parameter& parameter, const model::Scene& scene) {
+  const bool of_lobe =
+      parameter.kind == model::ParameterKind::kShape || parameter.kind == model::ParameterKind::kF0;
+  const auto owner = static_cast<std::size_t>(parameter.owner);
+  return of_lobe && !(scene.reflectance.lobes[owner].strength > 0.0);
+}
+
 // The columns that count as unknowns: all that are not held. What ended at a bound could be on this
 // side of it.
 std::vector<int> Unknowns(const solve::Solution& solution, const model::Parameters& parameters) {
   std::vector<int> unknowns;
-  for (int column = 0; column < parameters.count(); ++column) {
-    const model::Parameter& parameter = parameters[column];
-    const bool of_lobe = parameter.kind == model::ParameterKind::kShape ||
-                         parameter.kind == model::ParameterKind::kF0;
-    const auto owner = static_cast<std::size_t>(parameter.owner);
-    const bool nowhere = of_lobe && !(solution.scene.reflectance.lobes[owner].strength > 0.0);
-    if (!solution.held[static_cast<std::size_t>(column)] && !nowhere) unknowns.push_back(column);
-  }
+  for (int column = 0; column < parameters.count(); ++column)
+    if (!solution.held[static_cast<std::size_t>(column)] &&
+        !IsNowhere(parameters[column], solution.scene))
+      unknowns.push_back(column);
   return unknowns;
 }
 

@@ -39,6 +39,8 @@ struct Uncertainty {
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, model::kHarmonics, 1> harmonics =
       Eigen::Matrix<double, model::kHarmonics, 1>::Zero();
+  Eigen::Vector3d ambient_colour = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specular_colour = Eigen::Vector3d::Zero();
   double condition = 0.0;         // of the column-scaled normal equations, free columns
   std::vector<std::string> weak;  // directions in parameter space that hardly change the pictures
 };

@@ -86,14 +86,15 @@ Reflectance DrawReflectance(const RandomReflectance& config, std::uint64_t seed)
   for (int c = 0; c < 3; ++c) reflectance.albedo[c] = Draw(random, c, config.albedo);
   reflectance.ambient = Draw(random, 3, config.ambient);
   reflectance.diffuse = Draw(random, 4, config.diffuse);
-  reflectance.lobes[0].model = config.model;
-  if (config.model != estimator::model::SpecularModel::kNone) {
-    reflectance.lobes[0].strength = Draw(random, 5, config.specular);
-    reflectance.lobes[0].shape = DrawLog(random, 6, config.shininess);
+  estimator::model::Lobe& lobe = reflectance.lobes[0];
+  lobe.model = config.model;
+  if (lobe.present()) {
+    lobe.strength = Draw(random, 5, config.specular);
+    lobe.shape = DrawLog(random, 6, config.shininess);
     // A physical lobe is drawn by the shininess of Phong's that is as wide and as bright.
     if (estimator::model::FactsOf(config.model).physical) {
-      reflectance.lobes[0].model = estimator::model::SpecularModel::kPhong;
-      reflectance.lobes[0] = estimator::model::Converted(reflectance.lobes[0], config.model);
+      lobe.model = estimator::model::SpecularModel::kPhong;
+      SetLobeModel(reflectance, config.model);
     }
   }
   reflectance.diffuse_model = config.diffuse_model;

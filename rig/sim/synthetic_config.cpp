@@ -117,8 +117,9 @@ void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
   Within(check, "random_reflectance/ambient", random.ambient, 0.0, kMaxValue);
   Within(check, "random_reflectance/diffuse", random.diffuse, 0.0, kMaxValue);
   Within(check, "random_reflectance/specular", random.specular, 0.0, kMaxValue);
-  Within(check, "random_reflectance/shininess", random.shininess, estimator::model::kMinShininess,
-         estimator::model::kMaxShininess);
+  const auto& phong = FactsOf(estimator::model::SpecularModel::kPhong);
+  Within(check, "random_reflectance/shininess", random.shininess, phong.least_shape,
+         phong.most_shape);
   Within(check, "random_reflectance/roughness_deg", random.roughness_deg, 0.0, 90.0);
 }
 

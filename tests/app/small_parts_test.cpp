@@ -96,6 +96,25 @@ TEST(Settings, ChangeWhatTheySay) {
   EXPECT_EQ(scene.lights[0].intensity, 1.0);
 }
 
+TEST(Settings, OfPhysicalLobesAndOfNone) {
+  estimator::model::Scene scene;
+  estimator::model::Reflectance& r = scene.reflectance;
+  for (const char* setting : {"specular=0.2", "model=ggx", "alpha=0.3", "f0=0.04"})
+    ASSERT_TRUE(ApplySetting(setting, scene)) << setting;
+  EXPECT_EQ(r.lobes[0].shape, 0.3);
+  EXPECT_EQ(r.lobes[0].f0, 0.04);
+  for (const char* bad : {"f0=0", "f0=0.009", "f0=1.1"}) {
+    const Status status = ApplySetting(bad, scene);
+    ASSERT_FALSE(status) << bad;
+    EXPECT_THAT(status.error().text, HasSubstr("from 0.01 to 1"));
+  }
+  ASSERT_TRUE(ApplySetting("model=beckmann", scene));
+  EXPECT_EQ(r.lobes[0].shape, 0.3);
+  r.lobes[1] = {estimator::model::SpecularModel::kPhong, 0.1, 12.0};
+  ASSERT_TRUE(ApplySetting("model=none", scene));
+  for (const estimator::model::Lobe& lobe : r.lobes) EXPECT_FALSE(lobe.present());
+}
+
 TEST(Settings, RefuseTheRest) {
   EXPECT_THAT(SettingError("shininess"), HasSubstr("key=value"));
   EXPECT_THAT(SettingError("=3"), HasSubstr("key=value"));

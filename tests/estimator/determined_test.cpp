@@ -110,6 +110,28 @@ TEST(Determined, EachValueWhoseSigmaAllowsAnything) {
                                                "products/diffuse/0/2", "products/specular/1"));
 }
 
+TEST(Determined, AlphaAndTheSecondLobeToo) {
+  Estimate estimate = Known();
+  estimate.reflectance.lobes = {model::Lobe{model::SpecularModel::kGgx, 0.2, 0.1, 1.0},
+                                model::Lobe{model::SpecularModel::kPhong, 0.2, 12.0}};
+  estimate.sigma.lobes[0] = {0.01, 0.16, std::nullopt};
+  estimate.sigma.lobes[1] = {0.01, 40.0, std::nullopt};
+  EXPECT_THAT(UnknownOf(estimate), IsEmpty());
+  // An alpha is between 0.003 and 1: 1.7 of it say nothing, where 3.5 of a shininess do.
+  estimate.sigma.lobes[0].shape = 0.18;
+  EXPECT_THAT(
+      UnknownOf(estimate),
+      ElementsAre("reflectance/lobe/peak", "reflectance/lobe/fwhm_deg", "reflectance/lobes/0/alpha",
+                  "reflectance/lobes/0/peak", "reflectance/lobes/0/fwhm_deg"));
+  estimate.sigma.lobes[0].shape = 0.1;
+  estimate.sigma.lobes[1].shape = 45.0;
+  EXPECT_THAT(UnknownOf(estimate),
+              ElementsAre("reflectance/lobes/1/shininess", "reflectance/lobes/1/fwhm_deg"));
+  estimate.sigma.lobes[1] = {5.0, 1.0, std::nullopt};
+  EXPECT_THAT(UnknownOf(estimate),
+              ElementsAre("reflectance/lobes/1/specular", "reflectance/lobes/1/peak"));
+}
+
 TEST(Determined, TheNoteNamesThemForAPerson) {
   Estimate estimate = Known();
   estimate.ambient_product_sigma.setConstant(kNaN);

@@ -164,6 +164,24 @@ TEST(ModelChoice, TheLobeIsThatOfThePictures) {
   }
 }
 
+TEST(ModelChoice, ColoursOfGreyPicturesAreRefusedInWords) {
+  rig::sim::SyntheticConfig config = Ball(0.0, 0.1);
+  std::get<model::Reflectance>(config.reflectance).albedo.setConstant(0.6);
+  model::ModelChoice choice;
+  choice.coloured = true;
+  const auto output = EstimateWith(config, choice);
+  ASSERT_TRUE(output) << output.error().text;
+  const Estimate& e = output->estimate;
+  ASSERT_EQ(e.channels, 1);
+  const model::Rung* rung = Find(e, "colours");
+  ASSERT_NE(rung, nullptr);
+  EXPECT_FALSE(rung->accepted);
+  EXPECT_NE(rung->why.find("one channel"), std::string::npos) << rung->why;
+  EXPECT_TRUE(std::any_of(e.notes.begin(), e.notes.end(), [](const Note& note) {
+    return note.code == "grey" && note.text.find("--model color=free") != std::string::npos;
+  }));
+}
+
 TEST(ModelChoice, AmbientLightAloneIsNoLight) {
   rig::sim::SyntheticConfig config = Ball(0.01, 0.5);
   auto& reflectance = std::get<model::Reflectance>(config.reflectance);

@@ -17,7 +17,8 @@ struct Beckmann {
   static constexpr LobeFacts kFacts{
       "beckmann", "Torrance-Sparrow (Beckmann)", "alpha", 0.003, 1.5, false, true, false};
 
-  // G1(x) / x and its derivatives by x and by a.
+  // G1(x) / x of the cosine x, and its derivatives by x and by a. With b = x / (a sqrt(1 - x^2)) G1
+  // is (3.535 b + 2.181 b^2) / (1 + 2.276 b + 2.577 b^2), and 1 from b = 1.6 on (`open`).
   template <typename M>
   struct Masking {
     typename M::V value, by_cosine, by_shape;
@@ -52,6 +53,7 @@ struct Beckmann {
     const V inverse = M::Splat(1.0 / (shape * shape));
     const V slopes = M::Splat(0.25 / (std::numbers::pi * shape * shape)) *
                      M::ExpNegative(-tan_squared * inverse) / (squared * squared);
+    // G / (4 n.v) is n.l (G1(n.l) / n.l) (G1(n.v) / n.v) / 4; the quarter is in `slopes`.
     const V nl = M::Max(at.light_cosine, M::Splat(1e-6));
     const V nv = M::Max(at.view_cosine, M::Splat(1e-3));
     const Masking<M> light = Mask<M>(shape, nl), view = Mask<M>(shape, nv);

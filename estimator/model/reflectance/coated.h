@@ -10,16 +10,17 @@ namespace turnlight::estimator::model::reflectance {
 
 struct Coated {
   static constexpr DiffuseFacts kFacts{"coated", "Lambert under a coat", false};
-  static constexpr bool kSeesViewer = false;
+  static constexpr bool kAlongView = false;
 
   static void FillConstants(double /*shape*/, double* /*constants*/) {}
   template <typename M>
   static DiffuseTerms<M> Evaluate(const double* /*constants*/, const DiffuseArguments<M>& at) {
     using V = typename M::V;
+    // With F0 = 0 Schlick's F is (1 - c)^5, and by_f0 = 1 - (1 - c)^5 is T.
     const FresnelTerm<M> in = SchlickFresnel<M>(0.0, at.light_cosine);
     const FresnelTerm<M> out = SchlickFresnel<M>(0.0, at.view_cosine);
     const V zero = M::Splat(0.0);
-    const V& through = out.by_f0;  // 1 - (1 - n.v)^5
+    const V& through = out.by_f0;  // T(n.v)
     return {at.light_cosine * in.by_f0 * through, zero,
             (in.by_f0 - at.light_cosine * in.by_cosine) * through, zero};
   }

@@ -27,7 +27,7 @@ struct Ggx {
     const V slopes = M::Splat(a2 / std::numbers::pi) / (t * t);
     const V nl = M::Max(at.light_cosine, zero), nv = M::Max(at.view_cosine, zero);
     const V root_l = M::Sqrt(squared + rest * nl * nl), root_v = M::Sqrt(squared + rest * nv * nv);
-    // G / (4 n.v) = n.l / ((n.l + root_l) (n.v + root_v))
+    // G / (4 n.v) = n.l / ((n.l + root_l) (n.v + root_v)), the roots being those of G1.
     const V sum_l = nl + root_l, sum_v = nv + root_v;
     const FresnelTerm<M> fresnel = SchlickFresnel<M>(f0, at.half_cosine);
     const V common = at.weight * slopes * nl / (sum_l * sum_v);
@@ -38,6 +38,7 @@ struct Ggx {
     const auto faces = at.light_cosine > zero;
     out.by_light_cosine = faces ? unmasked * (one - nl * (one + rest * nl / root_l) / sum_l) : zero;
     out.by_half_cosine = common * fresnel.by_cosine;
+    // The roots' relative changes by a.
     const V by_roots =
         a * (one - nl * nl) / (root_l * sum_l) + a * (one - nv * nv) / (root_v * sum_v);
     out.by_shape = out.value * (two / a - M::Splat(4.0) * a * (one - sine_squared) / t - by_roots);

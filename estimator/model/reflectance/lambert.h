@@ -7,7 +7,7 @@ namespace turnlight::estimator::model::reflectance {
 
 struct Lambert {
   static constexpr DiffuseFacts kFacts{"lambert", "Lambert", false};
-  static constexpr bool kSeesViewer = false;
+  static constexpr bool kAlongView = false;
 
   static void FillConstants(double /*shape*/, double* /*constants*/) {}
   template <typename M>

@@ -10,7 +10,7 @@ namespace turnlight::estimator::model::reflectance {
 
 struct OrenNayar {
   static constexpr DiffuseFacts kFacts{"oren-nayar", "Oren-Nayar", true};
-  static constexpr bool kSeesViewer = true;
+  static constexpr bool kAlongView = true;
 
   // A, B, and their derivatives by sigma^2.
   static void FillConstants(double shape, double* constants) {
@@ -20,7 +20,8 @@ struct OrenNayar {
     constants[2] = -0.5 * 0.33 / ((v + 0.33) * (v + 0.33));
     constants[3] = 0.45 * 0.09 / ((v + 0.09) * (v + 0.09));
   }
-  // Without trigonometry: cosine and sin(alpha) sin(beta) together are l.v - (n.l)(n.v).
+  // Without trigonometry: the azimuths' cosine times sin(alpha) sin(beta) is l.v - (n.l)(n.v), and
+  // cos(beta), which makes a tangent of the second sine, is the larger of n.l and n.v.
   template <typename M>
   static DiffuseTerms<M> Evaluate(const double* constants, const DiffuseArguments<M>& at) {
     using V = typename M::V;

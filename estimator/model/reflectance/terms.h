@@ -20,7 +20,7 @@ struct LobeArguments {
   V below_one;     // 1 - axis . (light or half vector), from the chord, as that is exact near 0
   V light_cosine;  // n . l
   V view_cosine;   // n . v, above 0
-  V half_cosine;   // v . h; of a lobe about the mirrored view without meaning
+  V half_cosine;   // v . h; a lobe about the mirrored view does not read it
   V weight;        // what the term is multiplied by
 };
 
@@ -32,8 +32,8 @@ struct LobeTerm {
   V by_cosine;        // by axis . (light or half vector)
   V by_light_cosine;  // by n . l itself
   V by_half_cosine;   // by v . h
-  V by_shape;         // by the shape itself, not by its chart
-  V by_f0;
+  V by_shape;         // by the shape itself; parameters.h steps in its logarithm
+  V by_f0;            // 0 of a lobe that is not physical
 };
 
 // What a lobe has besides its formula.
@@ -44,17 +44,20 @@ struct LobeFacts {
   double least_shape, most_shape;
   bool about_mirrored_view;  // else about the normal: mirrored rays turn twice as fast
   bool physical;             // D F G / (4 n.v): has F0, and reflects at most what it gets
-  bool cosine_power;         // cos^shape: nothing where shape (1 - cos) is large
+  bool cosine_power;         // cos^shape, 1 at its peak: its strength is the peak; else its energy
+                             // hardly depends on its shape
 };
 
 template <typename M>
 struct DiffuseArguments {
   using V = typename M::V;
   V light_cosine, view_cosine;  // n . l and n . v
-  V projected;                  // l . v - (n . l) (n . v)
+  V projected;                  // l . v - (n . l) (n . v): of l and v within the surface's plane
 };
 
-// The term f_d, its derivative by its shape's chart, and its gradient by l: along n and along v.
+// The term f_d, its derivative by what its shape is fitted as (Oren-Nayar: sigma^2), and its
+// gradient by l, which is along_normal n + along_view v. A model says by kAlongView whether there
+// is a part along v; where there is none, `projected` is not worked out either.
 template <typename M>
 struct DiffuseTerms {
   using V = typename M::V;

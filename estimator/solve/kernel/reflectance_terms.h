@@ -26,10 +26,10 @@ TURNLIGHT_INLINE DiffuseTerm<Real> Diffuse(const KernelModel& model, const Block
   reflectance::DiffuseModels::Visit(model.diffuse_model, [&](auto diffuse) TURNLIGHT_LAMBDA {
     using Model = decltype(diffuse);
     reflectance::DiffuseArguments<L> at{nl, block.viewer_cosine, L::Splat(0.0)};
-    if constexpr (Model::kSeesViewer) at.projected = l.Dot(block.viewer) - nl * at.view_cosine;
+    if constexpr (Model::kAlongView) at.projected = l.Dot(block.viewer) - nl * at.view_cosine;
     const auto term = Model::template Evaluate<L>(model.diffuse_constants, at);
     out = {term.value, term.by_shape, block.normal * term.along_normal};
-    if constexpr (Model::kSeesViewer) out.gradient = out.gradient + block.viewer * term.along_view;
+    if constexpr (Model::kAlongView) out.gradient = out.gradient + block.viewer * term.along_view;
   });
   return out;
 }

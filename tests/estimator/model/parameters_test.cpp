@@ -99,6 +99,7 @@ TEST(Parameters, AreThoseOfTheModels) {
   // An alpha ends where its model does, in the logarithm.
   EXPECT_EQ(LimitsOf(all[all.Shape(0)], scene).high,
             std::log(FactsOf(SpecularModel::kGgx).most_shape));
+  EXPECT_EQ(LimitsOf(all[all.F0(0)], scene).low, kLeastF0);
   EXPECT_EQ(LimitsOf(all[all.F0(0)], scene).high, 1.0);
 }
 
@@ -120,13 +121,14 @@ TEST(WithinBounds, CutsWhatIsBeyondAndNothingElse) {
   EXPECT_EQ(cut.reflectance.ambient, 0.0);
   EXPECT_EQ(cut.reflectance.diffuse, 0.0);
   EXPECT_EQ(cut.reflectance.lobes[0].strength, 0.0);
-  EXPECT_EQ(cut.reflectance.lobes[0].shape, kMaxShininess);
+  EXPECT_EQ(cut.reflectance.lobes[0].shape, FactsOf(SpecularModel::kPhong).most_shape);
   EXPECT_EQ(cut.reflectance.roughness, kMaxRoughness);
   EXPECT_EQ(cut.lights[0].intensity, 0.0);
   EXPECT_EQ(cut.lights[0].inverse_distance, 0.0);
   EXPECT_EQ(cut.lights[1].inverse_distance, kMaxInverseDistance);
   r.lobes[0].shape = 0.01;
-  EXPECT_EQ(WithinBounds(bad).reflectance.lobes[0].shape, model::kMinShininess);
+  EXPECT_EQ(WithinBounds(bad).reflectance.lobes[0].shape,
+            FactsOf(SpecularModel::kPhong).least_shape);
 }
 
 }  // namespace

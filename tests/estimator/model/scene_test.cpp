@@ -125,6 +125,24 @@ TEST(LobeHalfWidth, IsWhereTheLobeIsHalf) {
   EXPECT_NEAR(RadToDeg(LobeHalfWidth({SpecularModel::kPhong, 1.0, 1.0})), 60.0, 1e-12);
 }
 
+TEST(SetLobeModel, ConvertsTheFirstAndNoneDropsBoth) {
+  Reflectance r;
+  r.lobes = {Lobe{SpecularModel::kGgx, 0.3, 0.2, 0.04}, Lobe{SpecularModel::kPhong, 0.1, 12.0}};
+  const double peak = LobePeak(r.lobes[0]), inverse = LobeInverseVariance(r.lobes[0]);
+  SetLobeModel(r, SpecularModel::kGgx);
+  EXPECT_EQ(r.lobes[0].f0, 0.04);
+  SetLobeModel(r, SpecularModel::kPhong);
+  EXPECT_EQ(r.lobes[0].model, SpecularModel::kPhong);
+  EXPECT_EQ(r.lobes[0].f0, 1.0);
+  EXPECT_NEAR(LobePeak(r.lobes[0]), peak, 1e-12);
+  // Mirrored rays turn twice as fast as the normal.
+  EXPECT_DOUBLE_EQ(4.0 * LobeInverseVariance(r.lobes[0]), inverse);
+  EXPECT_EQ(r.lobes[1].shape, 12.0);
+  SetLobeModel(r, SpecularModel::kNone);
+  for (const Lobe& lobe : r.lobes) EXPECT_FALSE(lobe.present());
+  EXPECT_EQ(r.lobes[0].strength, 0.0);
+}
+
 // A near light over a point above the origin: half as far, four times as bright.
 TEST(Shade, AddsLightsWithTheirFalloffColourAndShadow) {
   Scene scene;

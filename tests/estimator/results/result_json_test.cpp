@@ -171,6 +171,8 @@ TEST(ResultJson, LobesAndColoursHaveTheirOwnKeys) {
   e.reflectance.lobes[1] = {model::SpecularModel::kPhong, 0.1, 12.0};
   e.sigma.lobes[0] = {0.01, 0.002, 0.03};
   e.reflectance.specular_colour = {1.0, 0.8, 0.6};
+  e.sigma.specular_colour = {0.0, 0.01, 0.02};
+  e.sigma.ambient_colour = {0.0, 0.01, 0.02};  // of a colour that is white
   e.lights[1].light.color = {1.0, 0.9, 0.7};
   e.lights[1].colour_sigma = {0.0, 0.01, 0.02};
   const std::string text = ResultToJson(e, "n", Method::kLeastSquares, {});
@@ -184,6 +186,10 @@ TEST(ResultJson, LobesAndColoursHaveTheirOwnKeys) {
   EXPECT_EQ(r["lobes"][0]["sigma"]["alpha"], 0.002);
   EXPECT_EQ(r["lobes"][1]["shininess"], 12.0);
   EXPECT_FALSE(r["lobes"][1].contains("f0"));
+  EXPECT_EQ(r["sigma"]["specular_color"][2], 0.02);
+  EXPECT_TRUE(r["sigma"]["stat"].contains("specular_color"));
+  EXPECT_TRUE(r["sigma"]["budget"].contains("specular_color"));
+  EXPECT_FALSE(r["sigma"].contains("ambient_color"));
   EXPECT_EQ(json["lights"][1]["color_sigma"][2], 0.02);
   EXPECT_FALSE(json["lights"][0].contains("color"));
   const auto scene = ParseScene(text, "result.json");

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "base/angles.h"
@@ -187,6 +188,20 @@ TEST(SceneJson, FactorsAndHarmonicsRoundTrip) {
   EXPECT_EQ(back->reflectance.harmonics, scene.reflectance.harmonics);
 }
 
+// A lobe without strength has no width: what is less than any lobe's is the least.
+TEST(SceneJson, ALobeWithoutStrengthRoundTrips) {
+  model::Scene scene;
+  model::Lobe& lobe = scene.reflectance.lobes[0];
+  for (const double alpha : {0.0, 0.2}) {
+    lobe = {model::SpecularModel::kGgx, 0.0, alpha, 1.0};
+    const auto back = ParseScene(TruthToJson(scene), "t");
+    ASSERT_TRUE(back) << back.error().text;
+    EXPECT_EQ(back->reflectance.lobes[0].shape,
+              std::max(alpha, model::FactsOf(lobe.model).least_shape));
+    EXPECT_EQ(TruthToJson(*ParseScene(TruthToJson(*back), "t")), TruthToJson(*back));
+  }
+}
+
 TEST(SceneJson, RefusalsOfLobesNameTheKey) {
   const auto of = [](const std::string& keys) {
     return SceneError(R"({"lights": [], "reflectance": {"model": "ggx", "albedo": [1, 1, 1],
@@ -195,7 +210,10 @@ TEST(SceneJson, RefusalsOfLobesNameTheKey) {
   };
   EXPECT_THAT(of(R"("specular": 0.1)"), HasSubstr("reflectance/alpha"));
   EXPECT_THAT(of(R"("specular": 0.1, "alpha": 7)"), HasSubstr("reflectance/alpha"));
-  EXPECT_THAT(of(R"("specular": 0.1, "alpha": 0.1, "f0": 2)"), HasSubstr("reflectance/f0"));
+  for (const char* f0 : {"0", "0.009", "2"})
+    EXPECT_THAT(of(R"("specular": 0.1, "alpha": 0.1, "f0": )" + std::string(f0)),
+                testing::AllOf(HasSubstr("reflectance/f0"), HasSubstr("0.01")))
+        << f0;
   EXPECT_THAT(of(R"("lobes": [{"model": "none", "specular": 0}])"),
               HasSubstr("reflectance/lobes/0/model"));
   EXPECT_THAT(of(R"("lobes": [{"model": "phong", "specular": 1, "alpha": 3}])"),

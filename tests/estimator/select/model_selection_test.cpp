@@ -83,6 +83,47 @@ TEST(Refine, F0IsHeldUnlessTheViewsTellIt) {
   }
 }
 
+// The start's F0, as a user may give it, is gone on from, or is 1 again.
+TEST(Refine, AnF0OfTheStartIsNoDecision) {
+  for (const double f0 : {0.1, 1.0}) {
+    model::Scene truth = TwoLights();
+    truth.reflectance.lobes[0] = {model::SpecularModel::kGgx, f0 < 1.0 ? 1.0 : 0.2, 0.25, f0};
+    model::Scene start = truth;
+    start.reflectance.lobes[0].f0 = 0.2;
+    start.reflectance.lobes[0].strength *= f0 / 0.2;
+    const Selected selected(NoisyPicture(truth), start);
+    const model::Lobe& found = selected.refined.solution.scene.reflectance.lobes[0];
+    EXPECT_EQ(selected.Accepted("fresnel"), f0 < 1.0);
+    EXPECT_NEAR(found.f0, f0, 0.1);
+    EXPECT_NEAR(found.strength * found.f0, truth.reflectance.lobes[0].strength * f0, 0.02);
+  }
+}
+
+TEST(Refine, WithoutALightThereAreNoColours) {
+  model::Scene truth = TwoLights();
+  truth.lights.clear();
+  truth.reflectance.ambient = 0.5;
+  model::Scene start = truth;
+  start.free_colours = true;
+  start.reflectance.ambient_colour = {1.0, 0.5, 0.5};
+  for (const bool asked : {false, true}) {
+    model::ModelChoice choice;
+    if (asked) choice.coloured = true;
+    const Selected selected(NoisyPicture(truth), start, choice);
+    const model::Scene& found = selected.refined.solution.scene;
+    EXPECT_FALSE(found.free_colours);
+    EXPECT_FALSE(found.coloured());
+    EXPECT_LT((found.reflectance.ambient * found.reflectance.albedo -
+               truth.reflectance.ambient * truth.reflectance.albedo)
+                  .norm(),
+              1e-3);
+    if (asked) {
+      EXPECT_FALSE(selected.Accepted("colours"));
+      EXPECT_THAT(selected.ladder.back().why, testing::HasSubstr("there is no light"));
+    }
+  }
+}
+
 TEST(Refine, AHighlightThatIsNotThereIsTakenOut) {
   model::Scene truth = TwoLights();
   truth.reflectance.lobes[0].strength = 0.0;

@@ -150,6 +150,24 @@ TEST(Solver, HeldDistancesDirectionsAndLobeDoNotMove) {
   EXPECT_EQ(s.scene.reflectance.roughness, 0.3);
 }
 
+TEST(Solver, AWhiteLightsColourIsHeldAndTheStrongestLights) {
+  model::Scene truth = TwoLights();
+  truth.lights.push_back({Eigen::Vector3d(0.1, -0.9, 0.4).normalized(), 0.1, 0.3, {1.0, 0.8, 0.6}});
+  const RandomObservations random(2000, 3, 5, &truth);
+  model::Scene start = Off(truth, 2.0);
+  start.lights[2].color = Eigen::Vector3d::Ones();
+  start.free_colours = true;
+  // Of the third nothing is said.
+  for (const std::vector<bool>& white : {std::vector<bool>{}, {false, true}}) {
+    SolveOptions options;
+    options.white = white;
+    const Solution s = Solve(random.observations, start, options);
+    EXPECT_EQ(s.scene.lights[0].color, start.lights[0].color);
+    EXPECT_EQ(s.scene.lights[1].color == start.lights[1].color, !white.empty());
+    EXPECT_LT((s.scene.lights[2].color - truth.lights[2].color).norm(), 0.01);
+  }
+}
+
 TEST(Solver, StopsAtItsLimit) {
   const model::Scene truth = TwoLights();
   const RandomObservations random(2000, 3, 6, &truth);

@@ -100,6 +100,39 @@ INSTANTIATE_TEST_SUITE_P(
                     SurfaceModel{model::SpecularModel::kGgx, model::DiffuseModel::kLambert},
                     SurfaceModel{model::SpecularModel::kGgx, model::DiffuseModel::kCoated}));
 
+TEST(ChooseLobeAndCoat, WhatIsFixedIsKeptAndTheOtherIsDecided) {
+  model::Scene truth = TwoLights();
+  truth.reflectance.lobes[0] =
+      model::Converted(truth.reflectance.lobes[0], model::SpecularModel::kGgx);
+  truth.reflectance.diffuse_model = model::DiffuseModel::kCoated;
+  const auto rung_of = [](const std::vector<model::Rung>& ladder, const std::string& name) {
+    for (const model::Rung& rung : ladder)
+      if (rung.rung == name) return rung;
+    return model::Rung{"none", false, ""};
+  };
+  Sample sample = NoisySample(truth);
+  sample.choice.specular = model::SpecularModel::kGgx;
+  model::Scene start = truth;
+  start.reflectance.diffuse_model = model::DiffuseModel::kLambert;
+  std::vector<model::Rung> ladder;
+  Candidate chosen = ChooseLobeAndCoat(sample, FitStart(sample, start), ladder);
+  EXPECT_EQ(chosen.scene.reflectance.diffuse_model, model::DiffuseModel::kCoated);
+  EXPECT_EQ(rung_of(ladder, "ggx").why, "as asked for");
+  EXPECT_TRUE(rung_of(ladder, "coated").accepted);
+  EXPECT_THAT(rung_of(ladder, "coated").why, HasSubstr("without a coat"));
+
+  sample.choice.specular.reset();
+  sample.choice.diffuse = model::DiffuseModel::kCoated;
+  start.reflectance = TwoLights().reflectance;
+  start.reflectance.diffuse_model = model::DiffuseModel::kCoated;
+  ladder.clear();
+  chosen = ChooseLobeAndCoat(sample, FitStart(sample, start), ladder);
+  EXPECT_EQ(chosen.scene.reflectance.lobes[0].model, model::SpecularModel::kGgx);
+  EXPECT_EQ(chosen.scene.reflectance.diffuse_model, model::DiffuseModel::kCoated);
+  EXPECT_EQ(rung_of(ladder, "coated").why, "as asked for");
+  EXPECT_TRUE(rung_of(ladder, "ggx").accepted);
+}
+
 TEST(FindLights, OfTheirOwnColours) {
   for (const bool coloured : {false, true}) {
     model::Scene truth = TwoLights();

@@ -33,6 +33,17 @@ TEST(FitAndMerge, ASplitLightIsOneAgain) {
   }
 }
 
+TEST(FitAndMerge, ASplitLightKeepsItsColour) {
+  model::Scene truth = TwoLights();
+  truth.lights[1].color = {0.3, 0.6, 1.0};
+  truth.free_colours = true;
+  const Sample sample = NoisySample(truth);
+  const model::Scene merged = FitAndMerge(sample, FirstLightSplit(truth, 2.0)).scene;
+  ASSERT_EQ(merged.lights.size(), 2u);
+  const Eigen::Vector3d colour = merged.lights[1].color.cwiseQuotient(merged.lights[0].color);
+  EXPECT_LT((colour / colour.maxCoeff() - truth.lights[1].color).norm(), 0.02);
+}
+
 TEST(FitAndMerge, LightsThatAreApartStay) {
   const model::Scene truth = TwoLights();
   const Sample sample = NoisySample(truth);

@@ -28,7 +28,7 @@ TEST(Quantities, AreWhereTheTableSays) {
   }
   EXPECT_EQ(flat[At(OfTarget::kDiffuse, 2)], reported.reflectance.diffuse);
   EXPECT_EQ(flat[At(OfTarget::kLobes, 2) + 1], reported.reflectance.lobes[0].shape);
-  EXPECT_EQ(At(OfTarget::kHarmonics, 2) + SizeOf(OfTarget::kHarmonics), flat.size());
+  EXPECT_EQ(At(OfTarget::kSpecularColour, 2) + SizeOf(OfTarget::kSpecularColour), flat.size());
 }
 
 TEST(Quantities, SigmasComeBackToWhatTheyAreOf) {
