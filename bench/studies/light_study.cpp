@@ -106,8 +106,14 @@ Count Factors(const estimator::model::Scene& truth, const Json& result,
     const Json& light = result["lights"][match.found];
     const std::vector<double>& factors = truth.lights[match.truth].factors;
     if (!light.contains("factors") || factors.empty()) continue;
-    double mean = 0.0;
-    for (const double factor : factors) mean += factor / static_cast<double>(factors.size());
+    // The mean is over the frames that see the light.
+    double sum = 0.0, seen = 0.0;
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      if (!light["factors_sigma"][k].is_number()) continue;
+      sum += factors[k];
+      seen += 1.0;
+    }
+    const double mean = sum / std::max(seen, 1.0);
     for (std::size_t k = 0; k < factors.size(); ++k)
       out.Add(light["factors"][k].get<double>() - factors[k] / mean, light["factors_sigma"][k]);
   }
@@ -128,9 +134,8 @@ Count Harmonics(const estimator::model::Scene& truth, const Json& result) {
 }
 
 Json Measure(const std::string& kind, int scene) {
-  auto config = FewLights(scene);
+  const auto config = LightConfig(kind, scene);
   if (!config) return Json{{"left_out", config.error().text}};
-  Dress(kind, scene, *config);
   const auto session = rig::sim::SynthesizeInMemory(*config);
   if (!session) return Json{{"failed", session.error().text}};
   const auto result = EstimateSynthetic(*session);
@@ -152,6 +157,15 @@ Json Measure(const std::string& kind, int scene) {
 }
 
 }  // namespace
+
+Result<SyntheticConfig> LightConfig(const std::string& kind, int scene) {
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
+    return InputError("--lights: \"" + kind +
+                      "\", allowed are white, coloured, flickering, warming, light-field");
+  auto config = FewLights(scene);
+  if (config) Dress(kind, scene, *config);
+  return config;
+}
 
 std::vector<Job> LightJobs(Range scenes) {
   std::vector<Job> jobs;

@@ -94,10 +94,17 @@ int PrintSummary(const Arguments& arguments) {
 }
 
 int PrintConfig(const Arguments& arguments) {
-  const auto config = RandomScene(static_cast<std::uint64_t>(arguments.number));
+  const auto config = arguments.scenes.empty()
+                          ? RandomScene(static_cast<std::uint64_t>(arguments.number))
+                          : LightConfig(arguments.scenes, arguments.number);
   if (!config) return Refuse(config.error());
   std::cout << rig::sim::ToYaml(*config);
   return 0;
+}
+
+int MakeReport(const Arguments& arguments) {
+  const Status status = WriteReport(arguments.data, arguments.file);
+  return status ? 0 : Refuse(status.error());
 }
 
 int Main(int argc, char** argv) {
@@ -113,9 +120,8 @@ int Main(int argc, char** argv) {
   CLI::App* coverage_command =
       AddStudy(app, "coverage", "Random scenes, 20 draws of noise each: do the intervals hold?",
                "0:32", coverage);
-  CLI::App* lights_command = AddStudy(
-      app, "lights", "Random scenes with few lights: white, coloured, changing, in a light field",
-      "0:100", lights);
+  CLI::App* lights_command =
+      AddStudy(app, "lights", "Few lights: white, coloured, changing, in a field", "0:100", lights);
   CLI::App* extremes_command =
       app.add_subcommand("extremes", "One thing at a time taken to its extreme");
   extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");
@@ -138,6 +144,7 @@ int Main(int argc, char** argv) {
   CLI::App* config_command =
       app.add_subcommand("config", "Prints a random scene as a config of `turnlight synthesize`");
   config_command->add_option("NUMBER", config.number, "The scene's number")->required();
+  config_command->add_option("--lights", config.scenes, "Of the study of lights, of this kind");
   CLI11_PARSE(app, argc, argv);
   if (*random_command) return RunScenes("random", RandomJobs, random);
   if (*eight_command) return RunScenes("eight", EightJobs, eight);
@@ -147,10 +154,7 @@ int Main(int argc, char** argv) {
   if (*extremes_command) return RunExtremes(extremes);
   if (*sessions_command) return RunSessions(sessions);
   if (*summary_command) return PrintSummary(summary);
-  if (*report_command) {
-    const Status status = WriteReport(report.data, report.file);
-    return status ? 0 : Refuse(status.error());
-  }
+  if (*report_command) return MakeReport(report);
   return PrintConfig(config);
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
 #include "bench/studies/job_runner.h"
+#include "rig/sim/synthetic_config.h"
 
 namespace turnlight::studies {
 
@@ -38,6 +40,8 @@ std::vector<Job> CoverageJobs(Range scenes);
 // to 1 in each channel, flickering by 5 %, warming up by 10 %, and in a light field whose
 // harmonics have 0.3 of the constant ambient light each.
 std::vector<Job> LightJobs(Range scenes);
+// One of them: "white", "coloured", "flickering", "warming" or "light-field".
+Result<rig::sim::SyntheticConfig> LightConfig(const std::string& kind, int scene);
 
 // One thing at a time taken to its extreme (extreme_cells.h).
 std::vector<Job> ExtremeJobs();

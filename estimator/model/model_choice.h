@@ -11,6 +11,7 @@ struct ModelChoice {
   std::optional<int> lights;  // 1 to 32
   std::optional<DiffuseModel> diffuse;
   std::optional<SpecularModel> specular;
+  std::optional<int> lobes;       // 1 or 2, where there is a highlight
   std::optional<bool> near;       // all lights near, or all distant
   std::optional<bool> coloured;   // lights of their own colours, or all white
   std::optional<int> white;       // number, from 1, of the light that is said to be white

@@ -136,28 +136,46 @@ double LobePeak(const Lobe& lobe) {
   return lobe.strength * SpecularTerm(lobe, up, up, up);
 }
 
-Lobe Converted(const Lobe& lobe, SpecularModel model) {
+namespace {
+
+// What a lobe of strength 1 would have there; one that is not there counts as Phong.
+double UnitPeak(Lobe lobe) {
+  lobe.strength = 1.0;
+  if (!lobe.present()) lobe.model = SpecularModel::kPhong;
+  return LobePeak(lobe);
+}
+
+// The lobe with another inverse variance, as bright at its peak.
+Lobe Reshaped(const Lobe& lobe, SpecularModel model, double inverse_variance) {
   Lobe out = lobe;
   out.model = model;
-  if (!FactsOf(model).physical) out.f0 = 1.0;
-  if (!out.present()) {
-    out.strength = 0.0;
-    return out;
+  const reflectance::LobeFacts& facts = FactsOf(model);
+  if (!facts.physical) out.f0 = 1.0;
+  out.shape = VisitLobe(model, [&](auto of) { return decltype(of)::ShapeOf(inverse_variance); });
+  out.shape = std::clamp(out.shape, facts.least_shape, facts.most_shape);
+  out.strength = lobe.strength * (UnitPeak(lobe) / UnitPeak(out));
+  return out;
+}
+
+}  // namespace
+
+Lobe OfWidth(const Lobe& lobe, double times) {
+  return Reshaped(lobe, lobe.model, LobeInverseVariance(lobe) / (times * times));
+}
+
+Lobe Converted(const Lobe& lobe, SpecularModel model) {
+  if (model == SpecularModel::kNone) {
+    Lobe none = lobe;
+    none.model = model;
+    none.f0 = 1.0;
+    none.strength = 0.0;
+    return none;
   }
   const reflectance::LobeFacts &from = FactsOf(lobe.model), &to = FactsOf(model);
   // Mirrored rays turn twice as fast as the normal.
   const double scale =
       (from.about_mirrored_view ? 4.0 : 1.0) / (to.about_mirrored_view ? 4.0 : 1.0);
-  const double inverse = scale * LobeInverseVariance(lobe);
-  out.shape = VisitLobe(model, [&](auto of) { return decltype(of)::ShapeOf(inverse); });
-  out.shape = std::clamp(out.shape, to.least_shape, to.most_shape);
-  const auto peak = [](Lobe of) {
-    of.strength = 1.0;
-    if (!of.present()) of.model = SpecularModel::kPhong;
-    return LobePeak(of);
-  };
-  out.strength = lobe.strength * (peak(lobe) / peak(out));
-  return out;
+  return Reshaped(lobe, model, scale * LobeInverseVariance(lobe));
 }
 
 void SetLobeModel(Reflectance& reflectance, SpecularModel model) {

@@ -133,6 +133,8 @@ struct LobeSlopes {
 LobeSlopes LobeSlopesOf(const Lobe& lobe);
 // k_s f_s where the viewer looks straight at the mirrored light, at normal incidence.
 double LobePeak(const Lobe& lobe);
+// The lobe, so many times as wide and as bright at its peak.
+Lobe OfWidth(const Lobe& lobe, double times);
 // A lobe of another model that is as wide and as bright at its peak. What has no model counts as
 // Phong. Of what is not physical F0 is 1.
 Lobe Converted(const Lobe& lobe, SpecularModel model);

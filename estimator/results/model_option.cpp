@@ -36,13 +36,14 @@ Status ChooseOf(const std::string& option, const std::string& word,
   return {};
 }
 
-// Of lights: how many, or which.
-Status ChooseNumber(const std::string& option, const std::string& word, std::optional<int>& out) {
+// A count, or which of the lights.
+Status ChooseNumber(const std::string& option, const std::string& word, int most,
+                    std::optional<int>& out) {
   int count = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
-  if (error != std::errc() || end != word.data() + word.size() || count < 1 || count > kMostLights)
+  if (error != std::errc() || end != word.data() + word.size() || count < 1 || count > most)
     return InputError("--model " + option + ": \"" + word +
-                      "\", allowed is a whole number from 1 to " + std::to_string(kMostLights));
+                      "\", allowed is a whole number from 1 to " + std::to_string(most));
   out = count;
   return {};
 }
@@ -58,24 +59,24 @@ std::string ModelOptionHelp() {
   return "lights=N (1 to " + std::to_string(kMostLights) +
          "), diffuse=" + list(AllWords<model::DiffuseModel>()) +
          ", specular=" + list(AllWords<model::SpecularModel>()) +
-         ", lights-are=near|distant, color=free|white, white=N (which light is called white, 1 the "
-         "strongest), intensity=per-frame|constant, "
-         "ambient=harmonics|constant";
+         ", lobes=1|2, lights-are=near|distant, color=free|white, white=N (which light is called "
+         "white, 1 the strongest), intensity=per-frame|constant, ambient=harmonics|constant";
 }
 
 Status ApplyModelOption(const std::string& option, ModelChoice& choice) {
   const std::size_t equals = option.find('=');
   const std::string key = option.substr(0, equals);
   const std::string word = equals == std::string::npos ? "" : option.substr(equals + 1);
-  if (key == "lights") return ChooseNumber(option, word, choice.lights);
-  if (key == "white") return ChooseNumber(option, word, choice.white);
+  if (key == "lights") return ChooseNumber(option, word, kMostLights, choice.lights);
+  if (key == "lobes") return ChooseNumber(option, word, model::kMostLobes, choice.lobes);
+  if (key == "white") return ChooseNumber(option, word, kMostLights, choice.white);
   if (key == "diffuse") return Choose(option, word, choice.diffuse);
   if (key == "specular") return Choose(option, word, choice.specular);
   if (key == "lights-are") return ChooseOf(option, word, {"near", "distant"}, choice.near);
   if (key == "color") return ChooseOf(option, word, {"free", "white"}, choice.coloured);
   if (key == "intensity") return ChooseOf(option, word, {"per-frame", "constant"}, choice.changing);
   if (key == "ambient") return ChooseOf(option, word, {"harmonics", "constant"}, choice.harmonics);
-  const std::vector<std::string> keys = {"lights", "diffuse", "specular",  "lights-are",
+  const std::vector<std::string> keys = {"lights", "diffuse", "specular",  "lobes",  "lights-are",
                                          "color",  "white",   "intensity", "ambient"};
   return InputError("--model " + option + ": unknown key \"" + key + "\"" + DidYouMean(key, keys) +
                     ", allowed are " + Listed(keys));

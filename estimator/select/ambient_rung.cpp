@@ -13,6 +13,7 @@ namespace turnlight::estimator::select {
 namespace {
 
 constexpr double kLeastRms = 0.002;  // of white, over the sphere of normals
+constexpr double kLeastShare = 0.2;  // of the residuals' variance, where that is not noise
 constexpr char kUneven[] = "ambient-harmonics";
 
 // What the harmonics would lower the cost by, the other unknowns following: a score test.
@@ -37,6 +38,15 @@ double GainOf(const observe::Observations& observations, const solve::Solution& 
   return 0.5 * gradient.dot(factor.Solve(gradient));
 }
 
+// Of the harmonic that is clearest from 0.
+double MostSigmas(const model::Reflectance& found, const uncertainty::Uncertainty& sigma) {
+  double most = 0.0;
+  for (int j = 0; j < model::kHarmonics; ++j)
+    if (std::isfinite(sigma.harmonics[j]) && sigma.harmonics[j] > 0.0)
+      most = std::max(most, std::abs(found.harmonics[j]) / sigma.harmonics[j]);
+  return most;
+}
+
 }  // namespace
 
 void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
@@ -56,6 +66,15 @@ void ChooseHarmonics(const observe::Observations& observations, const model::Mod
                              explained / values, model::kHarmonics / values)});
     return;
   }
+  // Where more than noise is left, harmonics can stand for a surface that the model lacks.
+  const bool beyond_noise = out.options.evaluate.huber > 0.0;
+  if (beyond_noise && explained < kLeastShare * values) {
+    ladder.push_back({kUneven, false,
+                      Format("ambient light that depends on the normal would explain %.3g of the "
+                             "residuals' variance; as more than noise is left, it counts from %.2g",
+                             explained / values, kLeastShare)});
+    return;
+  }
   Refined uneven = out;
   uneven.solution.scene.free_harmonics = true;
   SolveOn(observations, uneven);
@@ -68,10 +87,7 @@ void ChooseHarmonics(const observe::Observations& observations, const model::Mod
           .total;
   const uncertainty::Reported reported =
       uncertainty::Report(uneven.solution.scene, observations, order);
-  double most = 0.0;
-  for (int j = 0; j < model::kHarmonics; ++j)
-    if (std::isfinite(sigma.harmonics[j]) && sigma.harmonics[j] > 0.0)
-      most = std::max(most, std::abs(reported.reflectance.harmonics[j]) / sigma.harmonics[j]);
+  const double most = MostSigmas(reported.reflectance, sigma);
   const double rms = reported.reflectance.harmonics.norm();
   const bool accepted = most > kSignificance && rms >= kLeastRms;
   ladder.push_back(

@@ -11,7 +11,9 @@ namespace turnlight::estimator::select {
 
 // Lets the ambient light depend on the normal (model/spherical_harmonics.h) if the pictures call
 // for it: a score test of all harmonics together is beyond chance (4 sigma of chi squared), and,
-// fitted, one of them is 3 sigma from 0 and they make at least 0.2 % of white. Or as `choice` says.
+// fitted, one of them is 3 sigma from 0 and they make at least 0.2 % of white; where more than
+// noise is left they must also explain a fifth of it, for they can stand for a surface that the
+// model lacks. Or as `choice` says.
 void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
                      Refined& out, std::vector<model::Rung>& ladder);
 

@@ -106,6 +106,29 @@ void SetF0(double f0, model::Reflectance& reflectance) {
   }
 }
 
+// A second lobe counts if its strength is 3 sigma and its width is known.
+void ChooseSecondLobe(const observe::Observations& observations, const model::ModelChoice& choice,
+                      Refined& out, std::vector<model::Rung>& ladder) {
+  const model::Scene& scene = out.solution.scene;
+  const model::Lobe& second = scene.reflectance.lobes[1];
+  if (!second.present() || choice.lobes) return;
+  const auto order = uncertainty::StrengthOrder(scene, observations);
+  const uncertainty::LobeSigma sigma =
+      uncertainty::EstimateUncertainty(out.solution, observations, order, out.views_per_distinct,
+                                       out.splits)
+          .total.lobes[1];
+  const double strength =
+      uncertainty::Report(scene, observations, order).reflectance.lobes[1].strength;
+  const bool told = std::isfinite(sigma.shape) && strength > kSignificance * sigma.strength;
+  ladder.push_back({"broad-lobe", told,
+                    Format("the second lobe's strength is %.3g with sigma %.2g; it counts from 3 "
+                           "sigma",
+                           strength, sigma.strength)});
+  if (told) return;
+  out.solution.scene.reflectance.lobes[1] = model::Lobe{};
+  SolveOnWithSplits(observations, out);
+}
+
 // Of a physical lobe F is 1 everywhere unless the views tell F0 from that.
 void ChooseFresnel(const observe::Observations& observations, Refined& out,
                    std::vector<model::Rung>& ladder) {
@@ -272,6 +295,8 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
     ladder.push_back({"specular", *choice.specular != model::SpecularModel::kNone, "as asked for"});
   else
     ChooseSpecular(observations, out, ladder);
+  if (StopRequested(stop)) return out;
+  ChooseSecondLobe(observations, choice, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseColours(observations, choice, out, ladder);
   if (StopRequested(stop)) return out;

@@ -9,6 +9,7 @@
 #include "estimator/start/find_lights.h"
 #include "estimator/start/fit_guess.h"
 #include "estimator/start/held_out.h"
+#include "estimator/start/second_lobe.h"
 
 namespace turnlight::estimator::start {
 namespace {
@@ -36,6 +37,7 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
     candidate = FindLights(sample, clusters, out.ladder);
     candidate = ChooseDiffuse(sample, candidate, out.ladder);
     candidate = ChooseLobeAndCoat(sample, candidate, out.ladder);
+    candidate = ChooseSecondLobe(sample, candidate, out.ladder);
     candidate =
         CheckHeldOut(observe::Subsample(all, static_cast<std::size_t>(kSampleSize), 2, by_keyframe),
                      sample, std::move(candidate), out.ladder);

@@ -271,6 +271,14 @@ void AddReflectance(ordered_json& json, const SyntheticConfig& config) {
       json["reflectance"]["lobes"] = estimator::results::LobeList(*given);
       json["reflectance"]["shininess"] = nullptr;
     }
+    const Eigen::Vector3d white = Eigen::Vector3d::Ones();
+    if (given->ambient_colour != white)
+      json["reflectance"]["ambient_color"] = ToJson(given->ambient_colour);
+    if (given->specular_colour != white)
+      json["reflectance"]["specular_color"] = ToJson(given->specular_colour);
+    if (!given->harmonics.isZero(0.0))
+      json["reflectance"]["ambient_harmonics"] =
+          std::vector<double>(given->harmonics.begin(), given->harmonics.end());
     return;
   }
   const auto& random = std::get<RandomReflectance>(config.reflectance);

@@ -244,9 +244,8 @@ TURNLIGHT_INLINE void AddDot(Real* sum, const Real* x, const Real* y) {
   L::Store(sum, total);
 }
 
-// Rows are multiplied in blocks of 4 x 4, so that each load serves four products. The lanes of a
-// variant's registers, and how many columns of a block fit into them, are its own; the sums are
-// not.
+// Rows are multiplied in blocks of 4 x 4, so that each load serves four products. How many lanes
+// and columns of a block fit into its registers is a variant's own; the sums are not.
 #ifndef TURNLIGHT_DOT_LANES
 #define TURNLIGHT_DOT_LANES 4
 #define TURNLIGHT_DOT_COLUMNS 2

@@ -46,6 +46,7 @@ TEST(ModelOption, EachValueIsTaken) {
   EXPECT_EQ(Chosen("specular=ggx").specular, SpecularModel::kGgx);
   EXPECT_EQ(Chosen("color=free").coloured, true);
   EXPECT_EQ(Chosen("color=white").coloured, false);
+  EXPECT_EQ(Chosen("lobes=2").lobes, 2);
   EXPECT_EQ(Chosen("white=2").white, 2);
   EXPECT_EQ(Chosen("intensity=per-frame").changing, true);
   EXPECT_EQ(Chosen("intensity=constant").changing, false);
@@ -95,7 +96,7 @@ TEST(ModelOption, ARefusedKeyNamesTheNearestAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("light=2"),
               AllOf(HasSubstr("--model light=2"), HasSubstr("unknown key \"light\""),
                     HasSubstr("did you mean \"lights\"?"),
-                    HasSubstr("allowed are lights, diffuse, specular, lights-are")));
+                    HasSubstr("allowed are lights, diffuse, specular, lobes, lights-are")));
   EXPECT_THAT(Refusal("difuse=lambert"), HasSubstr("did you mean \"diffuse\"?"));
   EXPECT_THAT(Refusal("speculer=none"), HasSubstr("did you mean \"specular\"?"));
   EXPECT_THAT(Refusal("lights_are=near"), HasSubstr("did you mean \"lights-are\"?"));
@@ -103,7 +104,7 @@ TEST(ModelOption, ARefusedKeyNamesTheNearestAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("color=red"), HasSubstr("allowed are free, white"));
   EXPECT_THAT(Refusal("weight=2"),
               AllOf(HasSubstr("unknown key \"weight\""), Not(HasSubstr("did you mean")),
-                    HasSubstr("allowed are lights, diffuse, specular, lights-are, color")));
+                    HasSubstr("allowed are lights, diffuse, specular, lobes, lights-are, color")));
   EXPECT_THAT(Refusal(""), HasSubstr("unknown key \"\""));
 }
 

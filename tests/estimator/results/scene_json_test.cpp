@@ -177,7 +177,7 @@ TEST(SceneJson, LobesAndColoursRoundTrip) {
 }
 
 TEST(SceneJson, FactorsAndHarmonicsRoundTrip) {
-  Scene scene;
+  model::Scene scene;
   scene.lights.resize(2);
   scene.lights[1].factors = {0.9, 1.05, 1.05};
   for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.harmonics[j] = 0.01 * (j - 3);

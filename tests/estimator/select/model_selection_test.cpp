@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/estimator/random_observations.h"
 
 namespace turnlight::estimator::select {
@@ -119,7 +121,10 @@ TEST(Refine, WithoutALightThereAreNoColours) {
               1e-3);
     if (asked) {
       EXPECT_FALSE(selected.Accepted("colours"));
-      EXPECT_THAT(selected.ladder.back().why, testing::HasSubstr("there is no light"));
+      const auto rung =
+          std::find_if(selected.ladder.begin(), selected.ladder.end(),
+                       [](const model::Rung& each) { return each.rung == "colours"; });
+      EXPECT_THAT(rung->why, testing::HasSubstr("there is no light"));
     }
   }
 }
@@ -157,12 +162,10 @@ TEST(Refine, WhatTheUserChoseIsNotDecided) {
   truth.reflectance.lobes[0].strength = 0.0;
   model::Scene start = truth;
   start.reflectance.lobes[0].strength = 0.1;
-  const Selected selected(NoisyPicture(truth), start,
-                          {.lights = {},
-                           .diffuse = {},
-                           .specular = model::SpecularModel::kPhong,
-                           .near = false,
-                           .coloured = {}});
+  model::ModelChoice choice;
+  choice.specular = model::SpecularModel::kPhong;
+  choice.near = false;
+  const Selected selected(NoisyPicture(truth), start, choice);
   EXPECT_TRUE(selected.Accepted("specular"));
   EXPECT_EQ(selected.refined.solution.scene.reflectance.lobes[0].model,
             model::SpecularModel::kPhong);
