@@ -38,6 +38,27 @@ int Verify(const std::string& folder) {
   return report->session_good && report->frames > 0 ? kIncomplete : kRefused;
 }
 
+// What the frames are judged against.
+void PrintModel(const estimator::consistency::Consistency& found) {
+  if (!found.scene) return;
+  const estimator::model::Scene& scene = *found.scene;
+  const auto near = static_cast<std::size_t>(
+      std::count_if(scene.lights.begin(), scene.lights.end(),
+                    [](const auto& light) { return light.inverse_distance > 0.0; }));
+  std::string specular;
+  for (const estimator::model::Lobe& lobe : scene.reflectance.lobes)
+    if (lobe.present() && lobe.strength > 0.0)
+      specular += (specular.empty() ? "" : " and ") +
+                  Format("%s (%s %.3g)", estimator::model::FactsOf(lobe.model).name,
+                         estimator::model::FactsOf(lobe.model).shape_key, lobe.shape);
+  std::cout << "model: fitted to small copies of the pictures, "
+            << Counted(scene.lights.size(), "light")
+            << (near > 0 ? Format(" (%zu near)", near) : std::string()) << ", diffuse "
+            << estimator::model::FactsOf(scene.reflectance.diffuse_model).name << ", specular "
+            << (specular.empty() ? "none" : specular)
+            << Format("; it leaves %.2g of white (rms)\n", found.rms);
+}
+
 void PrintFrames(const estimator::from_session::ModelCheck& check) {
   const estimator::consistency::FramesJudged& judged = check.found.frames;
   if (check.frames.empty()) {
@@ -81,6 +102,7 @@ void PrintChanges(const estimator::consistency::Consistency& found) {
 int VerifyAgainstModel(const std::string& folder) {
   const auto check = estimator::from_session::CheckModel(folder, &InterruptFlag());
   if (!check) return Fail(check.error());
+  PrintModel(check->found);
   PrintFrames(*check);
   PrintChanges(check->found);
   const estimator::consistency::Consistency& found = check->found;

@@ -20,53 +20,58 @@ void AnytimeEstimator::Add(const model::Keyframe& keyframe) {
       consistency::MakeSmallView(keyframe, small_->block, small_->views.size()));
 }
 
-Result<Estimate> AnytimeEstimator::Solve(bool cold, bool& doubtful) const {
+Result<Estimate> AnytimeEstimator::Solve(const OddOnes& odd, bool cold, bool& doubtful) const {
   EstimateOptions options;
   if (!cold) options.warm_start = current_->ToScene();
   std::vector<observe::Observations> parts;
   std::vector<cv::Mat> signatures;
-  for (std::size_t k = 0; k < parts_.size() && !odd_.empty(); ++k) {
-    if (odd_.contains(k)) continue;
+  for (std::size_t k = 0; k < parts_.size() && !odd.empty(); ++k) {
+    if (odd.contains(k)) continue;
     parts.push_back(parts_[k]);
     signatures.push_back(signatures_[k]);
   }
-  const observe::Observations all = observe::Concatenate(odd_.empty() ? parts_ : parts);
+  const observe::Observations all = observe::Concatenate(odd.empty() ? parts_ : parts);
   parts.clear();
   select::Refined refined;
-  auto estimate = EstimateObservations(all, odd_.empty() ? signatures_ : signatures, options,
-                                       nullptr, &refined);
+  auto estimate =
+      EstimateObservations(all, odd.empty() ? signatures_ : signatures, options, nullptr, &refined);
   if (!estimate) return estimate;
   const std::vector<double> rms =
       RmsByKeyframe(all, refined.solution.scene, refined.options.evaluate);
   // What stood out before and was not odd is not looked at again with every keyframe.
   doubtful =
       StandsOut(rms, rms.size() - 1) ||
-      (cold && (!odd_.empty() || OneStandsOut(rms) ||
+      (cold && (!odd.empty() || OneStandsOut(rms) ||
                 Unexplained(estimate->rms, observe::EstimateNoise(all) * all.radiance_unit)));
   return estimate;
 }
 
-// Whether others are odd now than before.
-bool AnytimeEstimator::LookForOddKeyframes() {
-  if (parts_.size() < consistency::kFewestJudged) return false;
+AnytimeEstimator::OddOnes AnytimeEstimator::FindOddKeyframes() const {
+  if (parts_.size() < consistency::kFewestJudged) return odd_;
   const calib::RayGrid rays(small_->camera);
   const observe::Observations all =
       observe::BuildObservations(consistency::ToKeyframes(*small_), geometry_, rays);
   const consistency::FramesJudged judged =
       consistency::JudgeFrames(*small_, all, geometry_, rays, {}, nullptr);
-  std::map<std::size_t, std::string> odd;
+  OddOnes odd;
   for (std::size_t k = 0; k < judged.frames.size(); ++k)
     if (judged.frames[k].odd) odd.emplace(k, judged.frames[k].what);
-  std::swap(odd, odd_);
-  return odd != odd_;
+  return odd;
 }
 
 Status AnytimeEstimator::Step() {
   const bool cold = !current_ || parts_.size() >= next_cold_;
   bool doubtful = false;
-  auto estimate = Solve(cold, doubtful);
-  // What is black or upside down can spoil the estimate so that there is none.
-  if ((!estimate || doubtful) && LookForOddKeyframes()) estimate = Solve(true, doubtful);
+  auto estimate = Solve(odd_, cold, doubtful);
+  // What is black or upside down can spoil the estimate so that there is none. One that there is
+  // stays, with the keyframes that it is of, if there is none without those that are odd now.
+  if (OddOnes odd = !estimate || doubtful ? FindOddKeyframes() : odd_; odd != odd_) {
+    auto without = Solve(odd, true, doubtful);
+    if (without || !estimate) {
+      estimate = std::move(without);
+      odd_ = std::move(odd);
+    }
+  }
   if (!estimate) return Forward(estimate);
   if (cold) next_cold_ = 2 * parts_.size();
   current_ = std::move(*estimate);

@@ -28,6 +28,7 @@ class AnytimeEstimator {
   const std::map<std::size_t, std::string>& OddKeyframes() const { return odd_; }
   // Solves with all keyframes so far: from the last estimate, or, whenever their number has doubled
   // since the last time (and while there is no estimate), looking for the lights anew.
+  // If there is none without the keyframes that are odd by it, the one with them is kept.
   // Deterministic in the order of calls. Fails with kNoEstimate while nothing usable was seen; the
   // last estimate stays.
   Status Step();
@@ -36,9 +37,10 @@ class AnytimeEstimator {
   std::size_t keyframes() const { return parts_.size(); }
 
  private:
-  // The estimate of the keyframes that are not odd; doubtful: some may be, by what it leaves.
-  Result<Estimate> Solve(bool cold, bool& doubtful) const;
-  bool LookForOddKeyframes();
+  using OddOnes = std::map<std::size_t, std::string>;
+  // The estimate of the keyframes without those; doubtful: some may be odd, by what it leaves.
+  Result<Estimate> Solve(const OddOnes& odd, bool cold, bool& doubtful) const;
+  OddOnes FindOddKeyframes() const;
 
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
@@ -46,7 +48,7 @@ class AnytimeEstimator {
   std::vector<observe::Observations> parts_;  // one per keyframe, in white
   std::vector<cv::Mat> signatures_;
   std::optional<consistency::SmallViews> small_;
-  std::map<std::size_t, std::string> odd_;
+  OddOnes odd_;
   std::optional<Estimate> current_;
   std::size_t next_cold_ = 1;
 };

@@ -65,9 +65,10 @@ using Order = std::vector<std::size_t>;
 }  // namespace
 
 Explainer::Explainer(const SmallViews& views, const target::Geometry& geometry,
-                     const calib::RayGrid& rays)
+                     const calib::RayGrid& rays, const StopFlag* stop)
     : geometry_(geometry),
       rays_(rays),
+      stop_(stop),
       wide_(model::SphereDirections(kWideLights)),
       narrow_(model::SphereDirections(kNarrowLights)) {
   const double pixels = static_cast<double>(views.views.size()) * rays.width() * rays.height();
@@ -79,10 +80,13 @@ Explainer::Explainer(const SmallViews& views, const target::Geometry& geometry,
          column += stride)
       samples_.push_back({row, column});
   for (const SmallView& view : views.views) {
+    const cv::Mat1f masked = Masked(view);
     std::vector<float>& values = radiance_.emplace_back();
+    std::vector<bool>& inside = inside_.emplace_back();
     for (const Sampled& sample : samples_) {
       const int row = static_cast<int>(sample.row), column = static_cast<int>(sample.column);
-      values.push_back(view.mask(row, column) != 0 ? view.radiance(row, column) : 0.0f);
+      values.push_back(masked(row, column));
+      inside.push_back(view.mask(row, column) != 0);
     }
   }
 }
@@ -147,17 +151,26 @@ Explainer::Fit Explainer::FitTo(const Design& design, const Order& picture) cons
     left += static_cast<double>((y - out.model).squaredNorm());
   }
   const double all = static_cast<double>(samples_.size()) * static_cast<double>(picture.size());
-  out.residual = std::sqrt(std::max(left, 0.0) / all);
+  out.residual = std::isfinite(left) ? std::sqrt(std::max(left, 0.0) / all) : HUGE_VAL;
   return out;
 }
 
 double Explainer::Residual(const Design& design, const Order& picture) const {
-  return FitTo(design, picture).residual;
+  return StopRequested(stop_) ? HUGE_VAL : FitTo(design, picture).residual;
+}
+
+double Explainer::ShareInMasks(const Design& design, const Order& picture) const {
+  std::size_t all = 0, inside = 0;
+  for (std::size_t k = 0; k < picture.size(); ++k) {
+    all += design.seen[k].size();
+    for (const std::uint32_t s : design.seen[k]) inside += inside_[picture[k]][s] ? 1 : 0;
+  }
+  return all > 0 ? static_cast<double>(inside) / static_cast<double>(all) : 0.0;
 }
 
 Order Explainer::Reassigned(const Design& design, Order picture) const {
   const auto count = static_cast<Eigen::Index>(picture.size());
-  for (int round = 0; round < kReassignments; ++round) {
+  for (int round = 0; round < kReassignments && !StopRequested(stop_); ++round) {
     const Fit fit = FitTo(design, picture);
     Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(count, count);
     Eigen::Index first = 0;

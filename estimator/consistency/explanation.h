@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/stop_flag.h"
 #include "calib/camera_model.h"
 #include "estimator/consistency/small_views.h"
 #include "estimator/target/geometry.h"
@@ -26,18 +27,23 @@ struct Design {
 
 class Explainer {
  public:
-  // All must outlive it.
-  Explainer(const SmallViews& views, const target::Geometry& geometry, const calib::RayGrid& rays);
+  // All must outlive it. With stop set its answers come at once, and are of no use.
+  Explainer(const SmallViews& views, const target::Geometry& geometry, const calib::RayGrid& rays,
+            const StopFlag* stop);
 
   Design DesignOf(const std::vector<calib::RigPoses>& poses) const;
 
   // Root mean square of what is left, in radiance, over all sampled pixels, where pose k is that of
-  // the picture of view picture[k].
+  // the picture of view picture[k]. Infinite where it is no number, and with stop set.
   double Residual(const Design& design, const std::vector<std::size_t>& picture) const;
 
   // From an order of the pictures to one that leaves no more: the pictures are given to the poses
   // whose model they are most like, the model is fitted anew, and so on.
   std::vector<std::size_t> Reassigned(const Design& design, std::vector<std::size_t> picture) const;
+
+  // Of what the poses see of the target the share that is inside the masks: 1 without masks, 0 if
+  // they see nothing.
+  double ShareInMasks(const Design& design, const std::vector<std::size_t>& picture) const;
 
  private:
   struct Fit {
@@ -52,7 +58,9 @@ class Explainer {
   };
   const target::Geometry& geometry_;
   const calib::RayGrid& rays_;
+  const StopFlag* stop_;
   std::vector<Sampled> samples_;                // of every view
+  std::vector<std::vector<bool>> inside_;       // the mask, by view and sample
   std::vector<std::vector<float>> radiance_;    // by view and sample; 0 outside the mask
   std::vector<Eigen::Vector3d> wide_, narrow_;  // directions of lights
 };

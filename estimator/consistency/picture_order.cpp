@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "base/parallel.h"
@@ -10,14 +11,21 @@ namespace turnlight::estimator::consistency {
 namespace {
 
 constexpr int kMostRounds = 50;
+constexpr double kFurthest = 1e100;  // two of them have a sum
+constexpr double kLess = 1e-9;       // of what is compared: less by rounding is not less
 
+// What is no number is as far as can be: all that is compared has an order.
 Eigen::MatrixXd Differences(const SmallViews& views) {
+  std::vector<cv::Mat1f> pictures;
+  for (const SmallView& view : views.views) pictures.push_back(Masked(view));
   const auto count = static_cast<Eigen::Index>(views.views.size());
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(count, count);
-  ParallelFor(views.views.size(), [&](std::size_t i) {
-    for (std::size_t j = 0; j < i; ++j)
+  ParallelFor(pictures.size(), [&](std::size_t i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double apart = cv::norm(pictures[i], pictures[j], cv::NORM_L2);
       out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          cv::norm(views.views[i].radiance, views.views[j].radiance, cv::NORM_L2);
+          std::isfinite(apart) ? apart : kFurthest;
+    }
   });
   return out + out.transpose().eval();
 }
@@ -53,7 +61,7 @@ bool Shorten(const Eigen::MatrixXd& apart, std::vector<std::size_t>& tour) {
     for (std::size_t j = i + 2; j < count; ++j) {
       const double now = between(i, i + 1) + between(j, j + 1);
       const double then = between(i, j) + between(i + 1, j + 1);
-      if (then >= now * (1.0 - 1e-9)) continue;
+      if (!(then < now * (1.0 - kLess))) continue;
       std::reverse(tour.begin() + static_cast<std::ptrdiff_t>(i + 1),
                    tour.begin() + static_cast<std::ptrdiff_t>(j + 1));
       shorter = true;
@@ -80,9 +88,11 @@ std::vector<std::size_t> Exchanged(const Eigen::MatrixXd& cost, std::vector<std:
     changed = false;
     for (std::size_t k = 1; k < picture.size(); ++k)
       for (std::size_t l = 0; l < k; ++l) {
-        const double now = of(k, picture[k]) + of(l, picture[l]);
+        const double of_k = of(k, picture[k]), of_l = of(l, picture[l]);
         const double then = of(k, picture[l]) + of(l, picture[k]);
-        if (then >= now - 1e-9 * std::abs(now)) continue;
+        const double size = std::abs(of_k) + std::abs(of_l);
+        // Without an end if what is not less counted: costs that are no numbers are not.
+        if (!(then < of_k + of_l - kLess * size)) continue;
         std::swap(picture[k], picture[l]);
         changed = true;
       }

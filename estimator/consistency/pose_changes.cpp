@@ -28,6 +28,7 @@ struct Trial {
   const SmallViews& views;
   const target::Geometry& geometry;
   const Explainer& explainer;
+  const Design& as_given;
   Poses given;
   Order in_order;
   const StopFlag* stop = nullptr;
@@ -49,6 +50,7 @@ double LeftBy(const Trial& trial, const Poses& poses) {
 void Try(Trial& trial, const char* code, const std::string& words, const char* question,
          Poses poses) {
   const double left = LeftBy(trial, poses);
+  if (StopRequested(trial.stop)) return;
   trial.found.push_back(
       {code, words, question, std::move(poses), trial.in_order, left, trial.found.size(), 1.0});
 }
@@ -98,7 +100,8 @@ void TryFactors(Trial& trial, const Turning& turning) {
   const Best near = BestOf(fine, left);
   if (near.left < best.left) best = near;
   best = Refined(best, near.at == best.at ? 0.01 : 0.03, 5e-4, left);
-  trial.found.push_back(ChangeOfFactor(trial.views, trial.given, turning, best.at, left(best.at)));
+  if (StopRequested(trial.stop)) return;
+  trial.found.push_back(ChangeOfFactor(trial.views, trial.given, turning, best.at, best.left));
   trial.found.back().place = trial.found.size() - 1;
 }
 
@@ -186,12 +189,13 @@ OrderWords WordsOf(const SmallViews& views, const Order& picture) {
           "check which picture belongs to which angle."};
 }
 
-void AddOrder(Trial& trial, const Design& design, Order picture) {
+void AddOrder(Trial& trial, Order picture) {
   if (picture == trial.in_order ||
       std::any_of(trial.found.begin(), trial.found.end(),
                   [&](const PoseChange& change) { return change.picture == picture; }))
     return;
-  const double left = trial.explainer.Residual(design, picture);
+  const double left = trial.explainer.Residual(trial.as_given, picture);
+  if (StopRequested(trial.stop)) return;
   trial.found.push_back(ChangeOfOrder(trial.views, trial.given, std::move(picture), left));
   trial.found.back().place = trial.found.size() - 1;
 }
@@ -216,25 +220,25 @@ std::vector<Order> OrdersOf(const Turning& turning, const Order& tour) {
 // Pictures and poses in another order: only the pictures change, so that one design serves all.
 void TryOrders(Trial& trial, const std::optional<Turning>& turning) {
   const std::size_t count = trial.given.size();
-  const Design design = trial.explainer.DesignOf(trial.given);
   Order reversed(trial.in_order.rbegin(), trial.in_order.rend());
-  AddOrder(trial, design, reversed);
+  AddOrder(trial, reversed);
   for (const std::size_t shift : {std::size_t{1}, std::size_t{2}, count - 2, count - 1}) {
     Order shifted(count);
     for (std::size_t k = 0; k < count; ++k) shifted[k] = (k + shift) % count;
-    AddOrder(trial, design, shifted);
+    AddOrder(trial, shifted);
   }
-  for (const Order& order : TextOrders(count)) AddOrder(trial, design, order);
-  const Order tour = turning ? TourOfPictures(trial.views) : Order{};
+  for (const Order& order : TextOrders(count)) AddOrder(trial, order);
+  if (!turning || StopRequested(trial.stop)) return;
+  const Order tour = TourOfPictures(trial.views);
   if (tour.empty()) return;
   const std::vector<Order> orders = OrdersOf(*turning, tour);
   std::vector<double> left(orders.size());
-  ParallelFor(orders.size(),
-              [&](std::size_t i) { left[i] = trial.explainer.Residual(design, orders[i]); });
+  ParallelFor(orders.size(), [&](std::size_t i) {
+    left[i] = trial.explainer.Residual(trial.as_given, orders[i]);
+  });
   const auto best = std::min_element(left.begin(), left.end());
-  AddOrder(
-      trial, design,
-      trial.explainer.Reassigned(design, orders[static_cast<std::size_t>(best - left.begin())]));
+  AddOrder(trial, trial.explainer.Reassigned(
+                      trial.as_given, orders[static_cast<std::size_t>(best - left.begin())]));
 }
 
 Pose Transposed(const Pose& pose) { return {pose.rotation.transpose(), pose.translation}; }
@@ -312,7 +316,7 @@ void TryPlace(Trial& trial) {
     });
   };
   Vector3d at = Vector3d::Zero();
-  double left = LeftBy(trial, trial.given);
+  double left = trial.explainer.Residual(trial.as_given, trial.in_order);
   for (double step = 0.5; step > 0.01; step /= 2.0)
     for (int axis = 0; axis < 3; ++axis) {
       const auto along = [&](double by) {
@@ -334,7 +338,7 @@ void TryPlace(Trial& trial) {
 PoseChange ChangeOfFactor(const SmallViews& views, const std::vector<RigPoses>& poses,
                           const Turning& turning, double factor, double left) {
   return {"angle-factor",
-          Format("with the angles times %.3g", factor),
+          Format("with the angles times %.4g", factor),
           "check the angle that the table turns per step.",
           Scaled(poses, turning, factor),
           InOrder(views),
@@ -351,10 +355,9 @@ PoseChange ChangeOfOrder(const SmallViews& views, std::vector<RigPoses> poses, O
 }
 
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
-                                    const Explainer& explainer,
-                                    const std::vector<double>& angles_deg, const StopFlag* stop) {
-  Trial trial{views, geometry, explainer, PosesOf(views), InOrder(views), stop, {}};
-  const auto turning = FindTurning(trial.given, angles_deg);
+                                    const Explainer& explainer, const Design& as_given,
+                                    const std::optional<Turning>& turning, const StopFlag* stop) {
+  Trial trial{views, geometry, explainer, as_given, PosesOf(views), InOrder(views), stop, {}};
   if (turning) {
     TryAngles(trial, *turning);
     TryOffset(trial, *turning);

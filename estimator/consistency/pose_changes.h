@@ -32,16 +32,17 @@ PoseChange ChangeOfOrder(const SmallViews& views, std::vector<calib::RigPoses> p
 PoseChange ChangeOfFactor(const SmallViews& views, const std::vector<calib::RigPoses>& poses,
                           const Turning& turning, double factor, double left);
 
-// Those of `changes` one after another: each is tried by the explainer, and of each kind what
-// explains the pictures best comes back, best first. angles as
-// FindTurning takes them.
+// One change after another: each is tried by the explainer, and of those with a number the number
+// that explains the pictures best; they come back best first. as_given: the explainer's design of
+// the poses as they are. turning: what they follow, if they do. With stop set soon, with those that
+// were tried.
 //
 // Tried: angles reversed, times a factor from 1/3 to 3, with an offset; the pictures in another
 // order: reversed, shifted, sorted as text, shuffled; camera or target poses inverted or with their
 // rotations transposed; other camera axes; lengths in another unit, a radius that is a diameter;
 // the target elsewhere on the table.
 std::vector<PoseChange> RankChanges(const SmallViews& views, const target::Geometry& geometry,
-                                    const Explainer& explainer,
-                                    const std::vector<double>& angles_deg, const StopFlag* stop);
+                                    const Explainer& explainer, const Design& as_given,
+                                    const std::optional<Turning>& turning, const StopFlag* stop);
 
 }  // namespace turnlight::estimator::consistency

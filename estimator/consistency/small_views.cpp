@@ -69,6 +69,13 @@ SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t 
   return out;
 }
 
+cv::Mat1f Masked(const SmallView& view) {
+  if (view.mask.empty()) return view.radiance;
+  cv::Mat1f out = cv::Mat1f::zeros(view.radiance.size());
+  view.radiance.copyTo(out, view.mask);
+  return out;
+}
+
 std::vector<calib::RigPoses> PosesOf(const SmallViews& views) {
   std::vector<calib::RigPoses> out;
   for (const SmallView& view : views.views) out.push_back(view.poses);

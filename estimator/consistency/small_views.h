@@ -36,6 +36,10 @@ int BlockFor(const calib::CameraModel& camera, const target::Geometry& geometry,
 // Pixels beyond the last whole block are left out.
 SmallView MakeSmallView(const model::Keyframe& keyframe, int block, std::size_t number);
 
+// The radiance inside the mask, 0 outside: what stands behind the target is left out. Without a
+// mask the whole.
+cv::Mat1f Masked(const SmallView& view);
+
 std::vector<calib::RigPoses> PosesOf(const SmallViews& views);
 // 0, 1, 2, ...: every view with its own picture.
 std::vector<std::size_t> InOrder(const SmallViews& views);

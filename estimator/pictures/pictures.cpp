@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 #include "base/plot/canvas.h"
 #include "base/statistics.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 

@@ -124,6 +124,9 @@ TEST(Verify, AgainstAModelNamesAFrameThatDoesNotBelong) {
   EXPECT_EQ(good.exit_code, 0) << good.out;
   EXPECT_THAT(good.out, HasSubstr("frames and poses belong together"));
   EXPECT_THAT(good.out, HasSubstr("with the angles reversed"));
+  EXPECT_THAT(good.out, ::testing::ContainsRegex("model: fitted to small copies of the pictures, "
+                                                 "[0-9]+ lights?.*, diffuse Lambert, specular "
+                                                 ".+; it leaves 0\\.[0-9e-]+ of white"));
 
   std::filesystem::copy_file(folder / "s/frames/002.png", folder / "s/frames/005.png",
                              std::filesystem::copy_options::overwrite_existing);

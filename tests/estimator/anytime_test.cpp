@@ -69,5 +69,31 @@ TEST(AnytimeEstimator, LeavesOutAKeyframeThatDoesNotBelongToTheOthers) {
   EXPECT_LT(WorstDirectionDeg(estimator.Current()->ToScene().lights, truth.lights), 0.5);
 }
 
+// Lamps that are off in most pictures: those with light are the odd ones, and without them there is
+// no estimate. Pictures beside the target make it a step from the last estimate on.
+TEST(AnytimeEstimator, KeepsTheFirstEstimateIfThereIsNoneWithoutOddKeyframes) {
+  const TinyBall ball(TwoLights(), 10, 0.003);
+  AnytimeEstimator estimator(ball.geometry, ball.rays, ball.camera);
+  estimator.Add(ball.keyframes[0]);
+  model::Keyframe beside = ball.keyframes[0];
+  beside.X_WC.rotation = beside.X_WC.rotation * Eigen::Vector3d(-1, 1, -1).asDiagonal();
+  for (int k = 0; k < 17; ++k) estimator.Add(beside);
+  ASSERT_TRUE(estimator.Step());
+  AnytimeEstimator rest(ball.geometry, ball.rays, ball.camera);
+  for (std::size_t k = 0; k < 16; ++k) {
+    model::Keyframe black = ball.keyframes[k % 10];
+    black.image.radiance = black.image.radiance.clone();
+    black.image.radiance.setTo(0.0);
+    estimator.Add(black);
+    rest.Add(black);
+  }
+  EXPECT_FALSE(rest.Step());
+  estimator.Add(ball.keyframes[0]);
+  const Status status = estimator.Step();
+  ASSERT_TRUE(status) << status.error().text;
+  EXPECT_TRUE(estimator.OddKeyframes().empty());
+  EXPECT_EQ(estimator.Current()->views, 35);
+}
+
 }  // namespace
 }  // namespace turnlight::estimator

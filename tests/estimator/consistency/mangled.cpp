@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "base/angles.h"
 #include "base/random.h"
@@ -121,6 +122,37 @@ void GiveMasks(Capture& capture) {
   }
 }
 
+void GiveOutlines(Capture& capture) {
+  const target::Geometry geometry(capture.session.target);
+  const calib::RayGrid rays(capture.session.camera);
+  for (SyntheticFrame& frame : capture.session.frames) {
+    const target::Rendering view =
+        target::Render(capture.session.scene, geometry, rays, frame.X_WC, frame.X_WT, {2, true});
+    cv::compare(view.coverage, 0.99, frame.mask, cv::CMP_GT);
+  }
+}
+
+void ClutterBackground(Capture& capture, std::uint64_t seed) {
+  const target::Geometry geometry(capture.session.target);
+  const calib::RayGrid rays(capture.session.camera);
+  const RandomStream random(seed, 79);
+  std::uint64_t draw = 0;
+  for (SyntheticFrame& frame : capture.session.frames) {
+    cv::Mat background = cv::Mat::zeros(frame.image.size(), frame.image.type());
+    for (int thing = 0; thing < 12; ++thing) {
+      const double x = random.Uniform(draw++), y = random.Uniform(draw++);
+      const double radius = random.Uniform(draw++, 0.05, 0.2), level = random.Uniform(draw++);
+      cv::circle(background,
+                 {static_cast<int>(x * background.cols), static_cast<int>(y * background.rows)},
+                 static_cast<int>(radius * background.rows), cv::Scalar::all(60000.0 * level),
+                 cv::FILLED);
+    }
+    const target::Rendering view =
+        target::Render(capture.session.scene, geometry, rays, frame.X_WC, frame.X_WT, {2, true});
+    background.copyTo(frame.image, view.coverage == 0.0f);
+  }
+}
+
 void MakeOdd(Capture& capture, const std::string& kind, std::size_t frame) {
   std::vector<SyntheticFrame>& frames = capture.session.frames;
   cv::Mat& image = frames[frame].image;
@@ -154,9 +186,11 @@ void MisplacePoses(Capture& capture, const std::string& mistake, std::uint64_t s
       frame.X_WT = calib::Turn(Eigen::Vector3d::UnitZ(), DegToRad(factor * frame.angle_deg));
   };
   const auto pictures = [&](const std::vector<std::size_t>& order) {
-    std::vector<cv::Mat> images;
+    std::vector<cv::Mat> images, masks;
     for (const std::size_t k : order) images.push_back(frames[k].image);
+    for (const std::size_t k : order) masks.push_back(frames[k].mask);
     for (std::size_t k = 0; k < frames.size(); ++k) frames[k].image = images[k];
+    for (std::size_t k = 0; k < frames.size(); ++k) frames[k].mask = masks[k];
   };
   if (mistake == "angles-reversed") turn(-1.0);
   if (mistake == "factor 2") turn(2.0);

@@ -33,8 +33,11 @@ Capture CopyOf(const Capture& capture);
 inline constexpr const char* kOddKinds[] = {"black", "dimmed", "turned",   "byte-swapped", "stale",
                                             "half",  "moved",  "mirrored", "wrong-mask"};
 void MakeOdd(Capture& capture, const std::string& kind, std::size_t frame);
-// All frames get masks.
+// All frames get masks: of what is bright, or of what the target covers.
 void GiveMasks(Capture& capture);
+void GiveOutlines(Capture& capture);
+// Bright things stand and move behind the target.
+void ClutterBackground(Capture& capture, std::uint64_t seed);
 
 // What can be wrong with all poses.
 inline constexpr const char* kPoseMistakes[] = {

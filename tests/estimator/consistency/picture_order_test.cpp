@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <set>
 
 namespace turnlight::estimator::consistency {
 namespace {
@@ -44,6 +46,41 @@ TEST(PictureOrder, FollowsATurning) {
     const int step = (next - here + kCount) % kCount;
     EXPECT_TRUE(step == 1 || step == kCount - 1) << here << " then " << next;
   }
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(PictureOrder, OfPicturesThatAreNoNumbersIsSomeOrder) {
+  SmallViews views = Shown({0, 3, 1, 4, 2, 5}, 6);
+  views.views[1].radiance.setTo(kNan);
+  views.views[4].radiance(7, 7) = std::numeric_limits<float>::infinity();
+  const std::vector<std::size_t> tour = TourOfPictures(views);
+  EXPECT_EQ(std::set<std::size_t>(tour.begin(), tour.end()).size(), 6u);
+  EXPECT_EQ(tour.size(), 6u);
+}
+
+TEST(PictureOrder, WhatTheMasksLeaveOutIsNotCompared) {
+  std::vector<int> order;
+  for (int k = 0; k < 12; ++k) order.push_back(k * 5 % 12);
+  SmallViews views = Shown(order, 12);
+  for (SmallView& view : views.views) {
+    view.mask = cv::Mat1b(40, 40, std::uint8_t{255});
+    view.mask.rowRange(0, 2).setTo(0);
+  }
+  const std::vector<std::size_t> tour = TourOfPictures(views);
+  for (std::size_t k = 0; k < 12; ++k)
+    views.views[k].radiance.rowRange(0, 2).setTo(static_cast<double>(k * 7 % 12));
+  EXPECT_EQ(TourOfPictures(views), tour);
+}
+
+TEST(PictureOrder, CostsThatAreNoNumbersAreNotExchanged) {
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Ones(3, 3);
+  cost.diagonal().setZero();
+  EXPECT_EQ(Exchanged(cost, {1, 0, 2}), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(Exchanged(Eigen::MatrixXd::Constant(3, 3, kNan), {1, 0, 2}),
+            (std::vector<std::size_t>{1, 0, 2}));
+  cost.row(2).setConstant(kNan);
+  EXPECT_EQ(Exchanged(cost, {1, 0, 2}), (std::vector<std::size_t>{0, 1, 2}));
 }
 
 TEST(PictureOrder, OfTwoPicturesOrOfVeryManyIsNotLookedFor) {
