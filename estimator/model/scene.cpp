@@ -40,6 +40,22 @@ bool Scene::coloured() const {
                      [&](const Light& light) { return light.color != white; });
 }
 
+Scene WithLargestColoursOne(Scene scene) {
+  const auto normalise = [](Eigen::Vector3d& colour) {
+    const double largest = colour.maxCoeff();
+    if (!(largest > 0.0)) return 1.0;
+    colour /= largest;
+    return largest;
+  };
+  Reflectance& r = scene.reflectance;
+  for (Light& light : scene.lights) light.intensity *= normalise(light.color);
+  const double ambient = normalise(r.ambient_colour), specular = normalise(r.specular_colour);
+  r.ambient *= ambient;
+  r.harmonics *= ambient;
+  for (Lobe& lobe : r.lobes) lobe.strength *= specular;
+  return scene;
+}
+
 bool Scene::flickers() const {
   return std::any_of(lights.begin(), lights.end(),
                      [](const Light& light) { return !light.factors.empty(); });

@@ -99,6 +99,9 @@ struct Scene {
   bool flickers() const;
 };
 
+// The same scene with every colour's largest channel 1, what it multiplies taking the rest.
+Scene WithLargestColoursOne(Scene scene);
+
 // The scene as one keyframe sees it: intensities times their factors there, and no factors.
 Scene AtKeyframe(const Scene& scene, std::size_t keyframe);
 // The same scene under constant lights.

@@ -126,7 +126,8 @@ bool Finite(const NormalEquations& equations) {
 Solution Solve(const observe::Observations& observations, const model::Scene& start,
                const SolveOptions& options) {
   Solution out;
-  out.scene = model::WithinBounds(start);
+  // What is held of a colour is its largest channel, which must not run away from solve to solve.
+  out.scene = model::WithinBounds(start.free_colours ? model::WithLargestColoursOne(start) : start);
   if (start.free_factors) CompleteFactors(observations.tile_begin.size() - 1, out.scene);
   out.evaluate = options.evaluate;
   const model::Parameters parameters(start, observations.channels);

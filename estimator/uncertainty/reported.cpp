@@ -1,6 +1,7 @@
 #include "estimator/uncertainty/reported.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "estimator/solve/coordinates.h"
 
@@ -19,44 +20,31 @@ std::vector<std::size_t> StrengthOrder(const model::Scene& solver_scene,
 
 namespace {
 
-// The largest channel of a colour becomes 1, and what it multiplies takes the rest.
-void Normalise(Eigen::Vector3d& colour, double& strength) {
-  const double largest = std::max(colour.maxCoeff(), 1e-300);
-  colour /= largest;
-  strength *= largest;
-}
-
 // The same pictures with one light white: its colour goes to the albedo and to what the
 // lobes reflect, and out of the other lights and the ambient light.
-void MakeWhite(std::size_t number, const std::vector<std::size_t>& order, model::Reflectance& r,
-               std::vector<model::Light>& lights) {
+model::Scene WithOneWhite(const std::vector<std::size_t>& order, model::Scene scene) {
   if (!order.empty()) {
-    const std::size_t white = order[std::min(number, order.size() - 1)];
-    const Eigen::Vector3d gauge = lights[white].color.cwiseMax(1e-300);
+    const std::size_t white = order[std::min(scene.white_light, order.size() - 1)];
+    const Eigen::Vector3d gauge = scene.lights[white].color.cwiseMax(1e-300);
+    model::Reflectance& r = scene.reflectance;
     r.albedo = r.albedo.cwiseProduct(gauge);
     r.specular_colour = r.specular_colour.cwiseProduct(gauge);
     r.ambient_colour = r.ambient_colour.cwiseQuotient(gauge);
-    for (model::Light& light : lights) light.color = light.color.cwiseQuotient(gauge);
+    for (model::Light& light : scene.lights) light.color = light.color.cwiseQuotient(gauge);
   }
-  for (model::Light& light : lights) Normalise(light.color, light.intensity);
-  const double largest = std::max(r.ambient_colour.maxCoeff(), 1e-300);
-  r.harmonics *= largest;
-  Normalise(r.ambient_colour, r.ambient);
-  double specular = 1.0;
-  Normalise(r.specular_colour, specular);
-  for (model::Lobe& lobe : r.lobes) lobe.strength *= specular;
+  return model::WithLargestColoursOne(std::move(scene));
 }
 
 }  // namespace
 
 Reported Report(const model::Scene& solver_scene, const observe::Observations& observations,
                 const std::vector<std::size_t>& order) {
-  const model::Scene world = solve::ToWorld(solver_scene, observations);
+  model::Scene world = solve::ToWorld(solver_scene, observations);
+  if (world.free_colours || world.coloured()) world = WithOneWhite(order, std::move(world));
+  const std::vector<model::Light>& lights = world.lights;
   Reported out;
   model::Reflectance& r = out.reflectance;
   r = world.reflectance;
-  std::vector<model::Light> lights = world.lights;
-  if (world.free_colours || world.coloured()) MakeWhite(world.white_light, order, r, lights);
   const double albedo = std::max(r.albedo.maxCoeff(), 1e-300);
   const double strongest = order.empty() ? 1.0 : std::max(lights[order[0]].intensity, 1e-300);
   r.albedo /= albedo;

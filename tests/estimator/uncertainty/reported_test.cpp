@@ -70,6 +70,24 @@ TEST(Report, ProductsAreThoseOfTheScene) {
   EXPECT_LT((reported.ambient_product - r.albedo * r.ambient).norm(), 1e-15);
 }
 
+// Of colours only products with what they multiply can be seen.
+TEST(WithLargestColoursOne, ChangesNoPicture) {
+  model::Scene scene = TwoLights();
+  scene.lights[0].color = {1e14, 9e13, 7e13};
+  scene.lights[0].intensity *= 1e-14;
+  scene.reflectance.specular_colour = {2e-9, 1e-9, 3e-9};
+  scene.reflectance.lobes[0].strength *= 1e9;
+  scene.reflectance.harmonics.setConstant(0.01);
+  scene.reflectance.ambient_colour = {3.0, 2.0, 0.5};
+  const model::Scene one = model::WithLargestColoursOne(scene);
+  EXPECT_EQ(one.lights[0].color.maxCoeff(), 1.0);
+  EXPECT_EQ(one.reflectance.specular_colour.maxCoeff(), 1.0);
+  const Eigen::Vector3d x(0.1, 0.2, 0.7), n = Eigen::Vector3d(0.2, 0.1, 1.0).normalized(),
+                        v = Eigen::Vector3d(-0.1, 0.3, 1.0).normalized();
+  const Eigen::Vector3d before = model::Shade(scene, x, n, v), after = model::Shade(one, x, n, v);
+  EXPECT_LT((before - after).norm(), 1e-12 * before.norm());
+}
+
 // Another light called white is another gauge: products stay.
 TEST(Report, TheNamedLightIsWhite) {
   observe::Observations frame;
