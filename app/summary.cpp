@@ -67,6 +67,14 @@ std::string ColourText(const LightEstimate& light) {
   return text;
 }
 
+// Nothing of a constant light.
+std::string ChangeText(const LightEstimate& light) {
+  const std::vector<double>& factors = light.light.factors;
+  if (factors.empty()) return "";
+  const auto [low, high] = std::minmax_element(factors.begin(), factors.end());
+  return Format("   changes from frame to frame, %.3g to %.3g", *low, *high);
+}
+
 std::string LightText(const Estimate& estimate, std::size_t i, const std::string& unit) {
   const LightEstimate& light = estimate.lights[i];
   const Eigen::Vector3d& u = light.light.direction;
@@ -76,7 +84,7 @@ std::string LightText(const Estimate& estimate, std::size_t i, const std::string
          "   " + DistanceText(estimate, i, unit) + "   intensity " +
          MeasureOf(estimate, "lights/" + std::to_string(i) + "/intensity", light.light.intensity,
                    light.intensity_sigma.value_or(0.0)) +
-         ColourText(light);
+         ColourText(light) + ChangeText(light);
 }
 
 std::string LobesText(const Estimate& estimate) {
@@ -118,9 +126,11 @@ std::string ReflectanceText(const Estimate& estimate) {
                of("roughness_deg", RadToDeg(r.roughness),
                   RadToDeg(estimate.sigma.roughness.value_or(0.0))) +
                "\u00b0";
-  const std::string text = Row("albedo", albedo) +
-                           Row("ambient", of("ambient", r.ambient, estimate.sigma.ambient)) +
-                           Row("diffuse", diffuse);
+  std::string ambient = of("ambient", r.ambient, estimate.sigma.ambient);
+  if (const double uneven = r.harmonics.norm(); uneven > 0.0)
+    ambient += Format(" from all sides, and %.2g rms that depends on the side", uneven);
+  const std::string text =
+      Row("albedo", albedo) + Row("ambient", ambient) + Row("diffuse", diffuse);
   if (!r.lobes[0].present()) return text + Row("specular", "none");
   return text + LobesText(estimate);
 }

@@ -1,6 +1,7 @@
 #include "estimator/estimate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -14,9 +15,11 @@
 #include "estimator/observe/views.h"
 #include "estimator/report.h"
 #include "estimator/residual_maps.h"
+#include "estimator/select/ambient_rung.h"
 #include "estimator/select/intensity_rung.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_start.h"
+#include "estimator/start/sample.h"
 #include "estimator/view_evidence.h"
 
 namespace turnlight::estimator {
@@ -60,12 +63,6 @@ void Tell(const Watch& watch, Part part) {
   if (watch.on_part) watch.on_part(part);
 }
 
-void TakeDecisions(const observe::Observations& all, start::Start& start, Estimate& out) {
-  out.ladder = std::move(start.ladder);
-  for (const double rms : start.rms_history)
-    out.history.push_back({static_cast<int>(out.history.size()), all.radiance_unit * rms});
-}
-
 // Gives how many views there are for each that differs from those before.
 double CountViews(const observe::Observations& all, const std::vector<cv::Mat>& signatures,
                   double noise, Estimate& out) {
@@ -75,20 +72,73 @@ double CountViews(const observe::Observations& all, const std::vector<cv::Mat>& 
   return out.distinct_views > 0 ? static_cast<double>(out.views) / out.distinct_views : 1.0;
 }
 
-// Lights were looked for as if they were constant, but they change, and what changes may have
-// passed for lights: they are looked for once more.
-select::Refined SearchAgain(const observe::Observations& all, double noise,
-                            const observe::IntensityMap& map, EstimateOptions options,
-                            double views_per_distinct, Estimate& out) {
-  const auto found = std::find_if(out.ladder.begin(), out.ladder.end(), select::IsOfIntensities);
-  const model::Rung why = *found;
-  options.model.changing = true;
+// A search for lights, and what was made of it on all pixels.
+struct Found {
+  model::Scene start;
+  select::Refined refined;
+  std::vector<model::Rung> ladder;
+  std::vector<IterationRecord> history;
+  double start_s = 0.0;
+};
+
+Found Search(const observe::Observations& all, double noise, const observe::IntensityMap& map,
+             const EstimateOptions& options, double views_per_distinct) {
+  const Stopwatch stopwatch;
+  Found out;
   start::Start start = StartOf(all, noise, map, options);
-  out.history.clear();
-  TakeDecisions(all, start, out);
-  out.ladder.push_back(why);
-  return select::Refine(all, start.scene, noise, views_per_distinct, options.model, out.ladder,
-                        options.watch.stop);
+  out.start_s = stopwatch.Seconds();
+  Tell(options.watch, Part::kRefine);
+  out.ladder = std::move(start.ladder);
+  for (const double rms : start.rms_history)
+    out.history.push_back({static_cast<int>(out.history.size()), all.radiance_unit * rms});
+  out.start = std::move(start.scene);
+  if (StopRequested(options.watch.stop)) return out;
+  out.refined = select::Refine(all, out.start, noise, views_per_distinct, options.model, out.ladder,
+                               options.watch.stop);
+  return out;
+}
+
+// The variance that is left beyond noise, each light being worth a factor of it.
+double PriceOf(const observe::Observations& all, double noise, const select::Refined& refined) {
+  const double rms = select::Rms(all, refined.solution);
+  return start::ExcessVariance(rms * rms, noise) *
+         std::pow(start::kRatioPerLight, static_cast<double>(refined.solution.scene.lights.size()));
+}
+
+// Lights were looked for as if they were constant, or ambient light even, and what is not may have
+// passed for lights: they are looked for once more.
+void SearchAgain(const observe::Observations& all, double noise, const observe::IntensityMap& map,
+                 EstimateOptions options, double views_per_distinct, Found& found) {
+  const model::Scene& scene = found.refined.solution.scene;
+  const bool changing = scene.free_factors && !found.start.free_factors;
+  const bool uneven = scene.free_harmonics && !found.start.free_harmonics;
+  if (options.warm_start || (!changing && !uneven)) return;
+  if (changing) options.model.changing = true;
+  if (uneven) options.model.harmonics = true;
+  Found again = Search(all, noise, map, options, views_per_distinct);
+  if (StopRequested(options.watch.stop)) return;
+  const double first = PriceOf(all, noise, found.refined),
+               second = PriceOf(all, noise, again.refined);
+  const bool better = second < first;
+  model::Rung rung{
+      "search-again", better,
+      Format("lights looked for once more, with %s: %zu lights, and a residual rms of %.3g instead "
+             "of %zu and %.3g; each light is worth a factor of %.0f in excess variance",
+             changing && uneven ? "factors and harmonics"
+             : changing         ? "factors"
+                                : "harmonics",
+             again.refined.solution.scene.lights.size(), select::Rms(all, again.refined.solution),
+             scene.lights.size(), select::Rms(all, found.refined.solution), start::kRatioPerLight)};
+  // Why there are factors and harmonics the first search says.
+  if (better)
+    for (const model::Rung& why : found.ladder)
+      if (select::IsOfIntensities(why) || select::IsOfHarmonics(why)) {
+        std::erase_if(again.ladder,
+                      [&](const model::Rung& asked) { return asked.rung == why.rung; });
+        again.ladder.push_back(why);
+      }
+  if (better) found = std::move(again);
+  found.ladder.push_back(std::move(rung));
 }
 
 void TakeNotes(const observe::Observations& all, const Levels& levels,
@@ -125,19 +175,17 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   if (map || !options.warm_start) used_map = observe::MakeIntensityMap(all);
   const double noise = observe::EstimateNoise(all);
   Tell(options.watch, Part::kStart);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  start::Start start = StartOf(all, noise, used_map, options);
-  Tell(options.watch, Part::kRefine);
-  if (StopRequested(options.watch.stop)) return InterruptedError();
-  const double started = stopwatch.Seconds();
   Estimate estimate;
-  TakeDecisions(all, start, estimate);
   const double views_per_distinct = CountViews(all, signatures, noise, estimate);
-  select::Refined result = select::Refine(all, start.scene, noise, views_per_distinct,
-                                          options.model, estimate.ladder, options.watch.stop);
-  if (result.solution.scene.free_factors && !start.scene.free_factors && !options.warm_start)
-    result = SearchAgain(all, noise, used_map, options, views_per_distinct, estimate);
   if (StopRequested(options.watch.stop)) return InterruptedError();
+  const double before = stopwatch.Seconds();
+  Found found = Search(all, noise, used_map, options, views_per_distinct);
+  if (!StopRequested(options.watch.stop))
+    SearchAgain(all, noise, used_map, options, views_per_distinct, found);
+  if (StopRequested(options.watch.stop)) return InterruptedError();
+  estimate.ladder = std::move(found.ladder);
+  estimate.history = std::move(found.history);
+  select::Refined& result = found.refined;
   std::optional<uncertainty::CalibrationResponse> response;
   if (calibration) {
     Tell(options.watch, Part::kBudget);
@@ -152,8 +200,8 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
   TakeNotes(all, levels, options.model, estimate);
-  estimate.initial_s = started;
-  estimate.solve_s = stopwatch.Seconds() - started;
+  estimate.initial_s = before + found.start_s;
+  estimate.solve_s = stopwatch.Seconds() - estimate.initial_s;
   if (refined) *refined = std::move(result);
   return estimate;
 }

@@ -76,7 +76,7 @@ struct LightEstimate {
   std::optional<Eigen::Matrix3d> position_covariance;
   // Per channel, the largest 1; of the strongest light white by the gauge.
   Eigen::Vector3d colour_sigma = Eigen::Vector3d::Zero();  // 0 where it is white
-  // Of the factors; NaN in a keyframe that does not see the light. Statistical.
+  // Of the factors; NaN in a keyframe that does not see the light.
   std::vector<double> factor_sigma;
   Eigen::Vector3d direction_at_reference = Eigen::Vector3d::UnitZ();
   std::optional<double> intensity_sigma;  // absent for the strongest light, which is the gauge

@@ -42,6 +42,16 @@ LightEstimate MakeLight(const uncertainty::ReportedLight& reported,
   return out;
 }
 
+// How many times the statistical sigma of what a light gives its total one is: at least 1. A
+// factor's is so many times its own, for what is wrong with a light's share is wrong with both.
+double TotalOverStat(const uncertainty::LightSigma& total, const uncertainty::LightSigma& stat) {
+  double most = 1.0;
+  for (int c = 0; c < 3; ++c)
+    if (stat.diffuse_product[c] > 0.0)
+      most = std::max(most, total.diffuse_product[c] / stat.diffuse_product[c]);
+  return std::isfinite(most) ? most : 1.0;
+}
+
 void FillSigmas(const uncertainty::Uncertainty& sigma, double specular_limit, Estimate& out) {
   out.sigma.albedo = sigma.albedo;
   out.sigma.ambient = sigma.ambient;
@@ -133,8 +143,11 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
         MakeLight(reported.lights[i], sigma.lights[i], refined.near[order[i]],
                   refined.inverse_distance[order[i]], refined.inverse_distance_sigma[order[i]],
                   calibration ? sigmas.calibration.lights[i].inverse_distance : 0.0, i == 0));
-  for (std::size_t i = 0; i < sigmas.factors.size(); ++i)
+  for (std::size_t i = 0; i < sigmas.factors.size(); ++i) {
     out.lights[i].factor_sigma = sigmas.factors[i];
+    const double share = TotalOverStat(sigmas.total.lights[i], sigmas.stat.lights[i]);
+    for (double& factor : out.lights[i].factor_sigma) factor *= share;
+  }
   FillSigmas(sigma, refined.specular_sigma, out);
   for (std::size_t i = 0; i < order.size(); ++i)
     if (!refined.near[order[i]])

@@ -35,7 +35,32 @@ double GainOf(const observe::Observations& observations, const solve::Solution& 
     if (with[unknowns[i]].kind == model::ParameterKind::kHarmonic)
       gradient[static_cast<Eigen::Index>(i)] = there.gradient[unknowns[i]];
   const solve::ScaledFactor factor(there.hessian(unknowns, unknowns));
-  return 0.5 * gradient.dot(factor.Solve(gradient));
+  return factor.Good() ? 0.5 * gradient.dot(factor.Solve(gradient)) : 0.0;
+}
+
+// Whether the residuals call for harmonics, by a score test; a rung if not.
+bool CallFor(const observe::Observations& observations, const solve::Solution& solution,
+             std::vector<model::Rung>& ladder) {
+  const double values = solve::ValueCount(observations, solution.evaluate);
+  const double variance = 2.0 * solution.equations.cost / values;
+  const double explained = 2.0 * GainOf(observations, solution) / std::max(variance, 1e-300);
+  if (!(explained > model::kHarmonics + kChance * std::sqrt(2.0 * model::kHarmonics))) {
+    ladder.push_back({kUneven, false,
+                      Format("ambient light that depends on the normal would explain %.3g of the "
+                             "residuals' variance; chance alone explains %.3g",
+                             explained / values, model::kHarmonics / values)});
+    return false;
+  }
+  // Where more than noise is left, harmonics can stand for a surface that the model lacks.
+  const bool beyond_noise = solution.evaluate.huber > 0.0;
+  if (beyond_noise && explained < kLeastShare * values) {
+    ladder.push_back({kUneven, false,
+                      Format("ambient light that depends on the normal would explain %.3g of the "
+                             "residuals' variance; as more than noise is left, it counts from %.2g",
+                             explained / values, kLeastShare)});
+    return false;
+  }
+  return true;
 }
 
 // Of the harmonic that is clearest from 0.
@@ -49,35 +74,19 @@ double MostSigmas(const model::Reflectance& found, const uncertainty::Uncertaint
 
 }  // namespace
 
+bool IsOfHarmonics(const model::Rung& rung) { return rung.rung == kUneven; }
+
 void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
                      Refined& out, std::vector<model::Rung>& ladder) {
   if (choice.harmonics) {
     ladder.push_back({kUneven, *choice.harmonics, "as asked for"});
     return;
   }
-  if (out.solution.scene.free_harmonics) return;
-  const double values = solve::ValueCount(observations, out.solution.evaluate);
-  const double variance = 2.0 * out.solution.equations.cost / values;
-  const double explained = 2.0 * GainOf(observations, out.solution) / std::max(variance, 1e-300);
-  if (!(explained > model::kHarmonics + kChance * std::sqrt(2.0 * model::kHarmonics))) {
-    ladder.push_back({kUneven, false,
-                      Format("ambient light that depends on the normal would explain %.3g of the "
-                             "residuals' variance; chance alone explains %.3g",
-                             explained / values, model::kHarmonics / values)});
-    return;
-  }
-  // Where more than noise is left, harmonics can stand for a surface that the model lacks.
-  const bool beyond_noise = out.options.evaluate.huber > 0.0;
-  if (beyond_noise && explained < kLeastShare * values) {
-    ladder.push_back({kUneven, false,
-                      Format("ambient light that depends on the normal would explain %.3g of the "
-                             "residuals' variance; as more than noise is left, it counts from %.2g",
-                             explained / values, kLeastShare)});
-    return;
-  }
+  const bool fitted = out.solution.scene.free_harmonics;
+  if (!fitted && !CallFor(observations, out.solution, ladder)) return;
   Refined uneven = out;
   uneven.solution.scene.free_harmonics = true;
-  SolveOn(observations, uneven);
+  if (!fitted) SolveOn(observations, uneven);
   if (StopRequested(out.options.stop)) return;
   uneven.splits = uncertainty::SplitResiduals(observations, uneven.solution);
   const auto order = uncertainty::StrengthOrder(uneven.solution.scene, observations);
@@ -96,6 +105,12 @@ void ChooseHarmonics(const observe::Observations& observations, const model::Mod
               "harmonic is %.1f sigma from 0; it counts from %.2g and %.0f sigma",
               rms, most, kLeastRms, kSignificance)});
   if (accepted) out = std::move(uneven);
+  if (accepted || !fitted) return;
+  out.solution.scene.free_harmonics = false;
+  out.solution.scene.reflectance.harmonics.setZero();
+  SolveOn(observations, out);
+  if (StopRequested(out.options.stop)) return;
+  out.splits = uncertainty::SplitResiduals(observations, out.solution);
 }
 
 }  // namespace turnlight::estimator::select

@@ -17,4 +17,7 @@ namespace turnlight::estimator::select {
 void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
                      Refined& out, std::vector<model::Rung>& ladder);
 
+// Whether a rung is that decision.
+bool IsOfHarmonics(const model::Rung& rung);
+
 }  // namespace turnlight::estimator::select

@@ -5,12 +5,14 @@
 
 #include "base/format.h"
 #include "estimator/solve/frame_factors.h"
+#include "estimator/solve/unit_diagonal.h"
 
 namespace turnlight::estimator::select {
 namespace {
 
 constexpr double kLeastChange = 0.003;  // root mean square of the factors about 1
 constexpr double kVarianceRatio = 1.25;
+constexpr double kAsGood = 1.05;  // in rms
 constexpr char kIntensities[] = "changing-intensities";
 
 // How much a light's factors vary, and the sigma of one of them.
@@ -18,19 +20,33 @@ struct Variation {
   double rms = 0.0, sigma = 0.0;
 };
 
-// Of the light that varies most, counted in sigmas.
+// The columns that are not held.
+std::vector<int> Unknowns(const solve::Solution& solution) {
+  std::vector<int> unknowns;
+  for (std::size_t column = 0; column < solution.held.size(); ++column)
+    if (!solution.held[column]) unknowns.push_back(static_cast<int>(column));
+  return unknowns;
+}
+
+// Of the light that varies most, counted in sigmas; those have what the other parameters leave
+// open in them, too.
 Variation MostVaried(const solve::Solution& solution, double variance) {
   Variation most;
   double most_sigmas = -1.0;
+  const std::vector<int> unknowns = Unknowns(solution);
+  const solve::ScaledFactor information(solution.equations.hessian(unknowns, unknowns));
+  if (!information.Good()) return most;
   const solve::FrameFactors& factors = *solution.equations.factors;
   for (std::size_t l = 0; l < solution.scene.lights.size(); ++l) {
+    const auto at = static_cast<Eigen::Index>(l);
     double square = 0.0, own = 0.0;
     int seen = 0;
     for (std::size_t k = 0; k < factors.keyframes.size(); ++k) {
-      if (!factors.keyframes[k].seen[l]) continue;
-      const auto at = static_cast<Eigen::Index>(l);
+      const solve::FrameFactors::Keyframe& keyframe = factors.keyframes[k];
+      if (!keyframe.seen[l]) continue;
+      const Eigen::VectorXd by = keyframe.by_others.row(at).transpose()(unknowns);
       square += std::pow(solution.scene.lights[l].factors[k] - 1.0, 2);
-      own += variance * factors.keyframes[k].covariance(at, at);
+      own += variance * (keyframe.covariance(at, at) + by.dot(information.Solve(by)));
       ++seen;
     }
     if (seen < 2) continue;
@@ -41,6 +57,46 @@ Variation MostVaried(const solve::Solution& solution, double variance) {
     most = varied;
   }
   return most;
+}
+
+double VarianceOf(const observe::Observations& observations, const solve::Solution& solution) {
+  const double rms = Rms(observations, solution);
+  return rms * rms;
+}
+
+// What factors would explain, counted in a value's variance.
+struct Screen {
+  double explained = 0.0, parameters = 0.0;
+  bool beyond_chance() const {
+    return explained > parameters + kChance * std::sqrt(2.0 * parameters);
+  }
+};
+
+model::Scene WithFreeFactors(const observe::Observations& observations, model::Scene scene) {
+  scene.free_factors = true;
+  solve::CompleteFactors(observations.tile_begin.size() - 1, scene);
+  return scene;
+}
+
+Screen ScreenOf(const observe::Observations& observations, const solve::Solution& solution) {
+  const solve::NormalEquations there = solve::Evaluate(
+      observations, WithFreeFactors(observations, solution.scene), solution.evaluate);
+  const double variance = std::max(VarianceOf(observations, solution), 1e-300);
+  return {2.0 * there.factors->gain / variance, static_cast<double>(there.factors->count())};
+}
+
+// Uneven ambient light looks different from keyframe to keyframe, too, and is simpler: taken if it
+// leaves as little as factors do.
+bool TryUneven(const observe::Observations& observations, Refined& out) {
+  Refined uneven = out, changing = out;
+  uneven.solution.scene.free_harmonics = true;
+  changing.solution.scene = WithFreeFactors(observations, out.solution.scene);
+  SolveOn(observations, uneven);
+  SolveOn(observations, changing);
+  const bool taken =
+      Rms(observations, uneven.solution) < kAsGood * Rms(observations, changing.solution);
+  if (taken) out = std::move(uneven);
+  return taken;
 }
 
 }  // namespace
@@ -57,25 +113,24 @@ void ChooseIntensities(const observe::Observations& observations, double noise,
     return;
   }
   if (scene.free_factors || observations.tile_begin.size() < 3 || scene.lights.empty()) return;
+  Screen screen = ScreenOf(observations, out.solution);
+  if (screen.beyond_chance() && !scene.free_harmonics && !choice.harmonics &&
+      TryUneven(observations, out))
+    screen = ScreenOf(observations, out.solution);
   const double values = solve::ValueCount(observations, out.solution.evaluate);
-  const double variance = 2.0 * out.solution.equations.cost / values;
-  model::Scene tried = scene;
-  tried.free_factors = true;
-  solve::CompleteFactors(observations.tile_begin.size() - 1, tried);
-  const solve::NormalEquations there = solve::Evaluate(observations, tried, out.solution.evaluate);
-  const double parameters = there.factors->count();
-  const double explained = 2.0 * there.factors->gain / std::max(variance, 1e-300);
-  if (!(explained > parameters + kChance * std::sqrt(2.0 * parameters))) {
+  if (!screen.beyond_chance()) {
     ladder.push_back({kIntensities, false,
                       Format("a factor for each light in each keyframe would explain %.3g of the "
                              "residuals' variance; chance alone explains %.3g",
-                             explained / values, parameters / values)});
+                             screen.explained / values, screen.parameters / values)});
     return;
   }
   Refined changing = out;
-  changing.solution.scene = tried;
+  changing.solution.scene = WithFreeFactors(observations, scene);
   SolveOn(observations, changing);
-  const double left = 2.0 * changing.solution.equations.cost / values;
+  if (StopRequested(out.options.stop)) return;
+  const double variance = VarianceOf(observations, out.solution),
+               left = VarianceOf(observations, changing.solution);
   const Variation varied = MostVaried(changing.solution, left);
   const bool noise_only = std::sqrt(left) <= kBeyondNoise * noise;
   const bool accepted = varied.rms >= kLeastChange && varied.rms > kSignificance * varied.sigma &&

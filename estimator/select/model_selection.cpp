@@ -185,6 +185,24 @@ void TellColoursAskedFor(const model::Scene& scene, bool grey, bool asked,
   ladder.push_back({"colours", scene.free_colours, why});
 }
 
+// Whether a colour is off white, by more than its sigma allows.
+bool TellColour(const std::string& whose, const Eigen::Vector3d& colour,
+                const Eigen::Vector3d& sigma, std::vector<model::Rung>& ladder) {
+  double most = 0.0, sigmas = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double off = 1.0 - colour[c];
+    most = std::max(most, off);
+    if (off > 0.0 && std::isfinite(sigma[c]))
+      sigmas = std::max(sigmas, off / std::max(sigma[c], 1e-12));
+  }
+  const bool coloured = most > kMinColour && sigmas > kSignificance;
+  ladder.push_back({"colour of " + whose, coloured,
+                    Format("a channel is %.3g below the largest, %.3g sigma; it counts from %.2g "
+                           "and 3 sigma",
+                           most, sigmas, kMinColour)});
+  return coloured;
+}
+
 // A light is coloured if a channel of its colour is off white, or off the strongest light's, by
 // more than its sigma allows; none is: all are white.
 void ChooseColours(const observe::Observations& observations, const model::ModelChoice& choice,
@@ -194,30 +212,30 @@ void ChooseColours(const observe::Observations& observations, const model::Model
   if (choice.coloured)
     TellColoursAskedFor(scene, observations.channels == 1, *choice.coloured, ladder);
   if (!scene.free_colours || choice.coloured) return;
+  // Judged beside the strongest light, whichever is to be called white.
+  const std::size_t white_light = std::exchange(scene.white_light, 0);
   const auto order = uncertainty::StrengthOrder(scene, observations);
   const uncertainty::Uncertainty sigma =
       uncertainty::EstimateUncertainty(out.solution, observations, order, out.views_per_distinct,
                                        out.splits)
           .total;
   const uncertainty::Reported reported = uncertainty::Report(scene, observations, order);
+  scene.white_light = white_light;
   out.options.white.assign(order.size(), true);
   bool any = false;
   for (std::size_t i = 1; i < order.size(); ++i) {
-    double most = 0.0, sigmas = 0.0;
-    for (int c = 0; c < 3; ++c) {
-      const double off = 1.0 - reported.lights[i].light.color[c];
-      const double own = sigma.lights[i].colour[c];
-      most = std::max(most, off);
-      if (off > 0.0 && std::isfinite(own)) sigmas = std::max(sigmas, off / std::max(own, 1e-12));
-    }
-    const bool coloured = most > kMinColour && sigmas > kSignificance;
+    const bool coloured =
+        TellColour("light " + std::to_string(order[i] + 1), reported.lights[i].light.color,
+                   sigma.lights[i].colour, ladder);
     any = any || coloured;
     out.options.white[order[i]] = !coloured;
-    ladder.push_back({"colour of light " + std::to_string(order[i] + 1), coloured,
-                      Format("a channel is %.3g below the largest, %.3g sigma; it counts from %.2g "
-                             "and 3 sigma",
-                             most, sigmas, kMinColour)});
   }
+  // Under one light that is not white, the highlight has its colour, and the albedo the rest.
+  const model::Reflectance& r = reported.reflectance;
+  any |= r.lobes[0].present() &&
+         TellColour("the highlights", r.specular_colour, sigma.specular_colour, ladder);
+  any |= r.ambient > 0.0 &&
+         TellColour("ambient light", r.ambient_colour, sigma.ambient_colour, ladder);
   const Eigen::Vector3d gauge = scene.lights[order[0]].color;
   for (std::size_t l = 0; l < scene.lights.size(); ++l)
     if (out.options.white[l]) scene.lights[l].color = gauge;

@@ -65,8 +65,10 @@ bool Held(const model::Parameter& parameter, const model::Scene& start, int gaug
     case kInverseDistance:
       return Says(options.fixed_distance, owner);
     case kColour:
-      // The strongest light's is the gauge; the others' have a strength beside them.
-      return Says(options.white, owner) || owner == Strongest(start.lights) ||
+      // One light's is the gauge, or that of all that have it; the others' have a strength beside
+      // them.
+      return (options.white.empty() ? owner == Strongest(start.lights)
+                                    : Says(options.white, owner)) ||
              parameter.part == largest(start.lights[owner].color);
     case kAmbientColour:
       return parameter.owner == largest(r.ambient_colour);
@@ -111,6 +113,15 @@ Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::Vector
   return inverse.asDiagonal() * MinimiseInBox(scaled, slope, low, high);
 }
 
+// Within the bounds, and with all that is unknown there.
+model::Scene Prepared(const model::Scene& start, const observe::Observations& observations) {
+  // What is held of a colour is its largest channel, which must not run away from solve to solve.
+  model::Scene scene =
+      model::WithinBounds(start.free_colours ? model::WithLargestColoursOne(start) : start);
+  if (scene.free_factors) CompleteFactors(observations.tile_begin.size() - 1, scene);
+  return scene;
+}
+
 double PredictedGain(const NormalEquations& equations, const Eigen::VectorXd& step) {
   return -step.dot(equations.gradient + 0.5 * (equations.hessian * step)) +
          (equations.factors ? equations.factors->gain : 0.0);
@@ -126,9 +137,7 @@ bool Finite(const NormalEquations& equations) {
 Solution Solve(const observe::Observations& observations, const model::Scene& start,
                const SolveOptions& options) {
   Solution out;
-  // What is held of a colour is its largest channel, which must not run away from solve to solve.
-  out.scene = model::WithinBounds(start.free_colours ? model::WithLargestColoursOne(start) : start);
-  if (start.free_factors) CompleteFactors(observations.tile_begin.size() - 1, out.scene);
+  out.scene = Prepared(start, observations);
   out.evaluate = options.evaluate;
   const model::Parameters parameters(start, observations.channels);
   const std::vector<Limits> limits = LimitsOf(parameters, out.scene, options);

@@ -21,7 +21,6 @@ namespace reflectance = model::reflectance;
 
 constexpr std::size_t kMaxClusters = 12;
 constexpr int kLatticeLights = 24;
-constexpr double kRatioPerLight = 3.0;
 constexpr double kRoughRatio = 1.25, kLobeRatio = 1.25, kCoatRatio = 1.25;
 constexpr double kColourRatio = 3.0;
 // Of the excess variance, in a direction of colours that neither shading nor highlights have.

@@ -143,6 +143,15 @@ TEST(Render, RefusesWhatIsNoScene) {
   EXPECT_EQ(no_scene.exit_code, 2);
   EXPECT_THAT(no_scene.err, HasSubstr("rendering needs it"));
 
+  WriteText(folder / "factors.json",
+            R"({"lights": [{"direction": [0, 0, 1], "position": null, "intensity": 1,
+                 "factors": [1, 0.9, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]}],
+                "reflectance": {"model": "none", "albedo": [1, 1, 1], "ambient": 0, "diffuse": 1}})");
+  const Outcome too_many = RunProgram(
+      {"render", folder / "s", "--params", folder / "factors.json", "--out", folder / "r"});
+  EXPECT_EQ(too_many.exit_code, 2);
+  EXPECT_THAT(too_many.err, HasSubstr("lights/0/factors: 13 numbers, allowed is one for each of"));
+
   struct Case {
     Words words;
     std::string message;

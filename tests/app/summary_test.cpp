@@ -14,6 +14,7 @@ namespace turnlight::app {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(Summary, RoundsToTheSigma) {
   EXPECT_EQ(Measure(700.1234, 1.24), "700.1 \u00b1 1.2");
@@ -32,6 +33,16 @@ TEST(Summary, SaysWhatWasFound) {
   EXPECT_THAT(text, HasSubstr("shininess 40.00 \u00b1 0.40"));
   EXPECT_THAT(text, HasSubstr("one more light: it explains"));
   EXPECT_THAT(text, HasSubstr("views-add-nothing"));
+}
+
+TEST(Summary, SaysWhatChangesAndWhatIsUneven) {
+  estimator::Estimate estimate = estimator::results::ExampleEstimate();
+  EXPECT_THAT(Summary(estimate, "ball", "mm"), Not(HasSubstr("changes from frame")));
+  estimate.lights[0].light.factors = {0.95, 1.02, 1.03};
+  estimate.reflectance.harmonics[2] = 0.03;
+  const std::string text = Summary(estimate, "ball", "mm");
+  EXPECT_THAT(text, HasSubstr("changes from frame to frame, 0.95 to 1.03"));
+  EXPECT_THAT(text, HasSubstr("0.03 rms that depends on the side"));
 }
 
 TEST(Summary, WhatIsNotKnownHasNoNumber) {

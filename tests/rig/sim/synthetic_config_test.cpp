@@ -99,7 +99,10 @@ TEST(SyntheticConfig, WhatIsShownReadsBackTheSame) {
   for (const char* text :
        {kFull, "{}",
         "{target: {shape: blob, depth: 0.2}, random_lights: {count: 3, distance: [400, 500]}, "
-        "random_reflectance: {model: none, diffuse_model: oren-nayar}, sensor: {bits: float}}"}) {
+        "random_reflectance: {model: none, diffuse_model: oren-nayar}, sensor: {bits: float}}",
+        "{motion: {frames: 2}, lights: [{direction: [0, 0, 1], factors: [0.9, 1.1]}], "
+        "reflectance: {model: none, albedo: [1, 1, 1], ambient: 0.1, diffuse: 0.5, specular: 0, "
+        "ambient_harmonics: [0.01, 0, 0, 0, 0.02, 0, 0, 0]}}"}) {
     const auto config = ParseSyntheticConfig(text, "c.yaml");
     ASSERT_TRUE(config) << config.error().text;
     const std::string shown = ToYaml(*config);
@@ -148,6 +151,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"camera: {lens: opencv8, distortion: [1]}", "camera/distortion"},
         BadCase{"lights: []", "lights"},
         BadCase{"lights: [{direction: [0, 0, 0]}]", "lights/0/direction"},
+        BadCase{"lights: [{direction: [0, 0, 1], factors: [1, 1]}]", "lights/0/factors"},
         BadCase{"lights: [{direction: [0, 0, 1], distance: 30}]", "lights/0/distance"},
         BadCase{"lights: [{direction: [0, 0, 1], intensity: 0}]", "lights/0/intensity"},
         BadCase{"lights: [{direction: [0, 0, 1], color: [1, 1]}]", "lights/0/color"},

@@ -150,6 +150,22 @@ TEST(SyntheticSession, NoiseDiffersFromFrameToFrameAndSeedToSeed) {
   EXPECT_FALSE(SamePicture(a.frames[0].image, Make(config).frames[0].image));
 }
 
+// Lambert without ambient light: radiance goes with the lamp.
+TEST(SyntheticSession, ALampsFactorsAreInItsFrames) {
+  SyntheticConfig config = SmallScene();
+  config.motion.step_deg = 0.0;
+  config.lights = std::vector<LightSpec>{{{0, 0, 1}, {}, 0.6, {1, 1, 1}, {1.0, 0.5, 1.25}}};
+  estimator::model::Reflectance matte;
+  matte.lobes[0] = {};
+  config.reflectance = matte;
+  const auto keyframes = ToKeyframes(Make(config));
+  const cv::Scalar one = cv::mean(keyframes[0].image.radiance);
+  for (std::size_t k = 1; k < 3; ++k) {
+    const double factor = k == 1 ? 0.5 : 1.25;
+    EXPECT_NEAR(cv::mean(keyframes[k].image.radiance)[1] / one[1], factor, 1e-3) << k;
+  }
+}
+
 double ClippedShare(const SyntheticSession& session) {
   double clipped = 0.0, all = 0.0;
   for (const auto& keyframe : ToKeyframes(session)) {
