@@ -83,7 +83,7 @@ TEST(WithLargestColoursOne, ChangesNoPicture) {
   EXPECT_EQ(one.lights[0].color.maxCoeff(), 1.0);
   EXPECT_EQ(one.reflectance.specular_colour.maxCoeff(), 1.0);
   const Eigen::Vector3d x(0.1, 0.2, 0.7), n = Eigen::Vector3d(0.2, 0.1, 1.0).normalized(),
-                        v = Eigen::Vector3d(-0.1, 0.3, 1.0).normalized();
+                                          v = Eigen::Vector3d(-0.1, 0.3, 1.0).normalized();
   const Eigen::Vector3d before = model::Shade(scene, x, n, v), after = model::Shade(one, x, n, v);
   EXPECT_LT((before - after).norm(), 1e-12 * before.norm());
 }
