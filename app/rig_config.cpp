@@ -161,17 +161,18 @@ Result<rig::RigSetup> MakeSimulatedRig(const RunConfig& config, const Chosen& ch
   if (!table) return Forward(table);
   auto camera = Make(*chosen.camera, chosen.camera_keys, &*world);
   if (!camera) return Forward(camera);
-  return rig::RigSetup{.table = std::move(*table),
-                       .camera = std::move(*camera),
-                       .length_unit = config.length_unit,
-                       .known = config.calibration
-                                    ? rig::KnowledgeOf(*config.calibration)
-                                    : WithoutTable(config, rig::sim::KnowledgeOf(*world)),
-                       .target = config.target ? *config.target : rig::sim::TargetOf(*world),
-                       .calibration = config.calibration,
-                       .truth = estimator::results::TruthToJson(
-                           world->studio->scene, "the simulated rig of " + config.name),
-                       .identity = {}};
+  return rig::RigSetup{
+      .table = std::move(*table),
+      .camera = std::move(*camera),
+      .length_unit = config.length_unit,
+      .known = config.calibration ? rig::KnowledgeOf(*config.calibration)
+                                  : WithoutTable(config, rig::sim::KnowledgeOf(*world)),
+      .target = config.target ? *config.target : rig::sim::TargetOf(*world),
+      .calibration = config.calibration,
+      .truth =
+          estimator::results::TruthToJson(estimator::model::WithoutFactors(world->studio->scene),
+                                          "the simulated rig of " + config.name),
+      .identity = {}};
 }
 
 }  // namespace

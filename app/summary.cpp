@@ -70,9 +70,14 @@ std::string ColourText(const LightEstimate& light) {
 // Nothing of a constant light.
 std::string ChangeText(const LightEstimate& light) {
   const std::vector<double>& factors = light.light.factors;
-  if (factors.empty()) return "";
-  const auto [low, high] = std::minmax_element(factors.begin(), factors.end());
-  return Format("   changes from frame to frame, %.3g to %.3g", *low, *high);
+  double low = 1.0, high = 1.0;
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    // Of a frame that does not see the light nothing is known.
+    if (k < light.factor_sigma.size() && !std::isfinite(light.factor_sigma[k])) continue;
+    low = std::min(low, factors[k]);
+    high = std::max(high, factors[k]);
+  }
+  return factors.empty() ? "" : Format("   changes from frame to frame, %.3g to %.3g", low, high);
 }
 
 std::string LightText(const Estimate& estimate, std::size_t i, const std::string& unit) {

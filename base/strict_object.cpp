@@ -173,6 +173,14 @@ std::optional<std::vector<double>> StrictObject::OptionalNumbers(std::string_vie
   return std::nullopt;
 }
 
+std::optional<std::vector<double>> StrictObject::OptionalList(std::string_view key, Range range) {
+  const json* value = Find(key, false);
+  if (!value) return std::nullopt;
+  if (value->is_array() && !value->empty()) return OptionalNumbers(key, value->size(), range);
+  Refuse(key, "a list of numbers, at least one, each " + ShowRange(range));
+  return std::nullopt;
+}
+
 std::vector<double> StrictObject::Numbers(std::string_view key, std::size_t count, Range range) {
   std::vector<double> zeros(count, 0.0);
   if (!Find(key, true)) return zeros;

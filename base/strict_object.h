@@ -56,6 +56,8 @@ class StrictObject {
   std::vector<double> Numbers(std::string_view key, std::size_t count, Range range = {});
   std::optional<std::vector<double>> OptionalNumbers(std::string_view key, std::size_t count,
                                                      Range range = {});
+  // A list of at least one finite number, each in range.
+  std::optional<std::vector<double>> OptionalList(std::string_view key, Range range = {});
   // rows x columns finite numbers, row by row.
   std::vector<double> Matrix(std::string_view key, std::size_t rows, std::size_t columns);
 

@@ -41,7 +41,7 @@ Result<Estimate> AnytimeEstimator::Solve(const OddOnes& odd, bool cold, bool& do
   // What stood out before and was not odd is not looked at again with every keyframe.
   doubtful =
       StandsOut(rms, rms.size() - 1) ||
-      (cold && (!odd.empty() || OneStandsOut(rms) ||
+      (cold && (!odd.empty() || OneStandsOut(rms) || refined.solution.scene.flickers() ||
                 Unexplained(estimate->rms, observe::EstimateNoise(all) * all.radiance_unit)));
   return estimate;
 }

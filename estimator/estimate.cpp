@@ -113,6 +113,7 @@ void SearchAgain(const observe::Observations& all, double noise, const observe::
   const bool changing = scene.free_factors && !found.start.free_factors;
   const bool uneven = scene.free_harmonics && !found.start.free_harmonics;
   if (options.warm_start || (!changing && !uneven)) return;
+  Tell(options.watch, Part::kStart);
   if (changing) options.model.changing = true;
   if (uneven) options.model.harmonics = true;
   Found again = Search(all, noise, map, options, views_per_distinct);
@@ -129,10 +130,10 @@ void SearchAgain(const observe::Observations& all, double noise, const observe::
                                 : "harmonics",
              again.refined.solution.scene.lights.size(), select::Rms(all, again.refined.solution),
              scene.lights.size(), select::Rms(all, found.refined.solution), start::kRatioPerLight)};
-  // Why there are factors and harmonics the first search says.
+  // Why there are factors or harmonics, which were asked for then, the first search says.
   if (better)
     for (const model::Rung& why : found.ladder)
-      if (select::IsOfIntensities(why) || select::IsOfHarmonics(why)) {
+      if ((changing && select::IsOfIntensities(why)) || (uneven && select::IsOfHarmonics(why))) {
         std::erase_if(again.ladder,
                       [&](const model::Rung& asked) { return asked.rung == why.rung; });
         again.ladder.push_back(why);

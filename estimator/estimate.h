@@ -30,7 +30,8 @@
 
 namespace turnlight::estimator {
 
-// The parts of an estimate, in their order.
+// The parts of an estimate, in their order; where lights are looked for once more, two of them come
+// twice.
 enum class Part {
   kObserve,  // keyframes read, and their pixels traced to the target
   kStart,    // lights looked for on a sample of the pixels
@@ -74,7 +75,7 @@ struct LightEstimate {
   std::optional<double> distance_min;  // 95 % bound; absent when the data give none
   std::optional<Eigen::Vector3d> position;
   std::optional<Eigen::Matrix3d> position_covariance;
-  // Per channel, the largest 1; of the strongest light white by the gauge.
+  // Per channel, the largest 1; of one light white by the gauge.
   Eigen::Vector3d colour_sigma = Eigen::Vector3d::Zero();  // 0 where it is white
   // Of the factors; NaN in a keyframe that does not see the light.
   std::vector<double> factor_sigma;

@@ -8,6 +8,7 @@
 #include "bench/studies/score.h"
 #include "bench/studies/studies.h"
 #include "bench/studies/take.h"
+#include "estimator/model/direction_lattice.h"
 
 namespace turnlight::studies {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::size_t kMostLights = 4;
 constexpr std::uint64_t kLightStream = std::uint64_t{1} << 53;
 constexpr double kFlicker = 0.05, kWarming = 0.1;
 constexpr double kLeastColour = 0.5;  // of the largest channel
-constexpr double kUneven = 0.3;       // of the ambient light, each harmonic
+constexpr double kUneven = 0.9;       // of the ambient light is lacking on its darkest side
 constexpr std::array kKinds{"white", "coloured", "flickering", "warming", "light-field"};
 
 std::vector<LightSpec>& LightsOf(SyntheticConfig& config) {
@@ -35,7 +36,6 @@ Result<SyntheticConfig> FewLights(int scene) {
   return InputError("none of its numbers has few lights");
 }
 
-// The pictures stay within the sensor's range: intensities only fall.
 void Dress(const std::string& kind, int scene, SyntheticConfig& config) {
   const RandomStream random(static_cast<std::uint64_t>(scene), kLightStream);
   std::uint64_t draw = 0;
@@ -52,8 +52,14 @@ void Dress(const std::string& kind, int scene, SyntheticConfig& config) {
     for (int k = 0; kind == "warming" && k < frames; ++k)
       light.factors.push_back(1.0 - kWarming * std::exp(-3.0 * k / frames));
   }
-  for (int j = 0; kind == "light-field" && j < estimator::model::kHarmonics; ++j)
-    reflectance.harmonics[j] = kUneven * reflectance.ambient * random.Normal(draw++);
+  if (kind != "light-field") return;
+  for (double& harmonic : reflectance.harmonics) harmonic = random.Normal(draw++);
+  // As uneven as light can be: of one side hardly any.
+  double darkest = 0.0;
+  for (const Eigen::Vector3d& normal : estimator::model::SphereDirections(500))
+    darkest =
+        std::min(darkest, estimator::model::AmbientTerm(reflectance, normal) - reflectance.ambient);
+  reflectance.harmonics *= kUneven * reflectance.ambient / -darkest;
 }
 
 struct Count {

@@ -37,8 +37,8 @@ std::vector<Job> HandStartJobs(Range scenes);
 std::vector<Job> CoverageJobs(Range scenes);
 
 // Random scenes with at most 4 lights, each of them as it is (white, constant), with colours of 0.5
-// to 1 in each channel, flickering by 5 %, warming up by 10 %, and in a light field whose
-// harmonics have 0.3 of the constant ambient light each.
+// to 1 in each channel, flickering by 5 %, warming up by 10 %, and in a light field with a
+// tenth of the mean on its darkest side.
 std::vector<Job> LightJobs(Range scenes);
 // One of them: "white", "coloured", "flickering", "warming" or "light-field".
 Result<rig::sim::SyntheticConfig> LightConfig(const std::string& kind, int scene);

@@ -40,6 +40,13 @@ bool Scene::coloured() const {
                      [&](const Light& light) { return light.color != white; });
 }
 
+Scene WithoutAmbient(Scene scene) {
+  scene.reflectance.ambient = 0.0;
+  scene.reflectance.harmonics.setZero();
+  scene.free_harmonics = false;
+  return scene;
+}
+
 Scene WithLargestColoursOne(Scene scene) {
   const auto normalise = [](Eigen::Vector3d& colour) {
     const double largest = colour.maxCoeff();

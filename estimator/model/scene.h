@@ -83,7 +83,7 @@ struct Scene {
   std::vector<Light> lights;
   Reflectance reflectance;
   // For a fit: the colours of lights, ambient light and highlights are unknowns; else all are as
-  // they stand. Pictures tell them up to one colour, which the strongest light is said to have:
+  // they stand. Pictures tell them up to one colour, which white_light is said to have:
   // white (see uncertainty/reported.h).
   bool free_colours = false;
   // Which light is said to be white where colours are fitted: of those in the order of their
@@ -106,6 +106,8 @@ Scene WithLargestColoursOne(Scene scene);
 Scene AtKeyframe(const Scene& scene, std::size_t keyframe);
 // The same scene under constant lights.
 Scene WithoutFactors(Scene scene);
+// The same without ambient light.
+Scene WithoutAmbient(Scene scene);
 
 // k_a(n) for a unit normal.
 double AmbientTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal);

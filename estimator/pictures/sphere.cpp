@@ -127,7 +127,7 @@ class Tracer {
     if (!(normal.dot(direction) < 0.0 && t > 0.0)) return {};
     const Vector3d p_W = origin + t * direction;
     const model::Reflectance& reflectance = view_.scene.reflectance;
-    Vector3d with_sphere = Vector3d::Constant(reflectance.ambient);
+    Vector3d with_sphere = model::AmbientTerm(reflectance, normal) * reflectance.ambient_colour;
     Vector3d without = with_sphere;
     bool untouched = true;
     for (const model::Light& light : view_.scene.lights) {

@@ -117,8 +117,8 @@ Result<LightRead> ReadLight(StrictObject object, Purpose purpose, bool from_resu
   read.has_intensity = intensity.has_value();
   if (const auto color = object.OptionalNumbers("color", 3, {.min = 0.0}))
     read.light.color = ToVector(*color);
-  if (object.Has("factors"))
-    read.light.factors = object.Numbers("factors", object.Raw("factors").size(), {.min = 0.0});
+  if (auto factors = object.OptionalList("factors", {.min = 0.0}))
+    read.light.factors = std::move(*factors);
   object.AllowPrefix("x-");
   if (Status status = object.Finish(); !status) return Forward(status);
   return read;
@@ -211,7 +211,6 @@ void ReadHarmonics(StrictObject& object, Reflectance& reflectance) {
 }
 
 void ReadColours(StrictObject& object, Reflectance& reflectance) {
-  ReadHarmonics(object, reflectance);
   if (const auto colour = object.OptionalNumbers("ambient_color", 3, {.min = 0.0}))
     reflectance.ambient_colour = ToVector(*colour);
   if (const auto colour = object.OptionalNumbers("specular_color", 3, {.min = 0.0}))
@@ -263,6 +262,7 @@ Result<std::optional<Reflectance>> ReadResultReflectance(StrictObject object, St
   reflectance.diffuse = object.Number("diffuse", {.min = 0.0});
   reflectance.lobes = LobesOf(object, first, true);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
+  ReadHarmonics(object, reflectance);
   ReadColours(object, reflectance);
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
@@ -312,6 +312,7 @@ Reflectance ReadReflectance(StrictObject& object) {
   reflectance.diffuse_model =
       ReadOptionalWord<DiffuseModel>(object, "diffuse_model").value_or(DiffuseModel::kLambert);
   reflectance.roughness = RoughnessOf(object, reflectance.diffuse_model);
+  ReadHarmonics(object, reflectance);
   ReadColours(object, reflectance);
   return reflectance;
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLeastChange = 0.003;  // root mean square of the factors about 1
 constexpr double kVarianceRatio = 1.25;
-constexpr double kAsGood = 1.05;  // in rms
+constexpr double kAsGood = 0.9;  // of the variance that factors explain
 constexpr char kIntensities[] = "changing-intensities";
 
 // How much a light's factors vary, and the sigma of one of them.
@@ -52,7 +52,7 @@ Variation MostVaried(const solve::Solution& solution, double variance) {
     if (seen < 2) continue;
     const Variation varied{std::sqrt(square / seen), std::sqrt(own / seen)};
     const double sigmas = varied.rms / std::max(varied.sigma, 1e-12);
-    if (varied.rms < kLeastChange || !(sigmas > most_sigmas)) continue;
+    if (!(sigmas > most_sigmas)) continue;
     most_sigmas = sigmas;
     most = varied;
   }
@@ -85,18 +85,28 @@ Screen ScreenOf(const observe::Observations& observations, const solve::Solution
   return {2.0 * there.factors->gain / variance, static_cast<double>(there.factors->count())};
 }
 
+// What became of a look at factors: the fit with them, or uneven ambient light in their place.
+struct Tried {
+  Refined changing;
+  bool uneven = false;
+};
+
 // Uneven ambient light looks different from keyframe to keyframe, too, and is simpler: taken if it
-// leaves as little as factors do.
-bool TryUneven(const observe::Observations& observations, Refined& out) {
-  Refined uneven = out, changing = out;
+// explains nearly all that factors do.
+Tried TryBoth(const observe::Observations& observations, bool uneven_allowed, Refined& out) {
+  Tried tried{out, false};
+  tried.changing.solution.scene = WithFreeFactors(observations, out.solution.scene);
+  SolveOn(observations, tried.changing);
+  if (!uneven_allowed) return tried;
+  Refined uneven = out;
   uneven.solution.scene.free_harmonics = true;
-  changing.solution.scene = WithFreeFactors(observations, out.solution.scene);
   SolveOn(observations, uneven);
-  SolveOn(observations, changing);
-  const bool taken =
-      Rms(observations, uneven.solution) < kAsGood * Rms(observations, changing.solution);
-  if (taken) out = std::move(uneven);
-  return taken;
+  const double before = VarianceOf(observations, out.solution),
+               by_uneven = before - VarianceOf(observations, uneven.solution),
+               by_factors = before - VarianceOf(observations, tried.changing.solution);
+  tried.uneven = by_uneven > 0.0 && by_uneven > kAsGood * by_factors;
+  if (tried.uneven) out = std::move(uneven);
+  return tried;
 }
 
 }  // namespace
@@ -112,11 +122,19 @@ void ChooseIntensities(const observe::Observations& observations, double noise,
       ladder.push_back({kIntensities, *choice.changing, "as asked for"});
     return;
   }
-  if (scene.free_factors || observations.tile_begin.size() < 3 || scene.lights.empty()) return;
+  if (scene.free_factors) {
+    ladder.push_back({kIntensities, true, "as in the estimate before"});
+    return;
+  }
+  if (observations.tile_begin.size() < 3 || scene.lights.empty()) return;
   Screen screen = ScreenOf(observations, out.solution);
-  if (screen.beyond_chance() && !scene.free_harmonics && !choice.harmonics &&
-      TryUneven(observations, out))
-    screen = ScreenOf(observations, out.solution);
+  Tried tried;
+  if (screen.beyond_chance()) {
+    tried = TryBoth(observations, !scene.free_harmonics && !choice.harmonics, out);
+    if (tried.uneven) screen = ScreenOf(observations, out.solution);
+    if (tried.uneven && screen.beyond_chance()) tried = TryBoth(observations, false, out);
+    if (StopRequested(out.options.stop)) return;
+  }
   const double values = solve::ValueCount(observations, out.solution.evaluate);
   if (!screen.beyond_chance()) {
     ladder.push_back({kIntensities, false,
@@ -125,10 +143,7 @@ void ChooseIntensities(const observe::Observations& observations, double noise,
                              screen.explained / values, screen.parameters / values)});
     return;
   }
-  Refined changing = out;
-  changing.solution.scene = WithFreeFactors(observations, scene);
-  SolveOn(observations, changing);
-  if (StopRequested(out.options.stop)) return;
+  Refined& changing = tried.changing;
   const double variance = VarianceOf(observations, out.solution),
                left = VarianceOf(observations, changing.solution);
   const Variation varied = MostVaried(changing.solution, left);

@@ -120,7 +120,7 @@ void ChooseSecondLobe(const observe::Observations& observations, const model::Mo
   const double strength =
       uncertainty::Report(scene, observations, order).reflectance.lobes[1].strength;
   const bool told = std::isfinite(sigma.shape) && strength > kSignificance * sigma.strength;
-  ladder.push_back({"broad-lobe", told,
+  ladder.push_back({"second-lobe-known", told,
                     Format("the second lobe's strength is %.3g with sigma %.2g; it counts from 3 "
                            "sigma",
                            strength, sigma.strength)});
@@ -236,6 +236,7 @@ void ChooseColours(const observe::Observations& observations, const model::Model
          TellColour("the highlights", r.specular_colour, sigma.specular_colour, ladder);
   any |= r.ambient > 0.0 &&
          TellColour("ambient light", r.ambient_colour, sigma.ambient_colour, ladder);
+  // Where anything has a colour these two are fitted, too.
   const Eigen::Vector3d gauge = scene.lights[order[0]].color;
   for (std::size_t l = 0; l < scene.lights.size(); ++l)
     if (out.options.white[l]) scene.lights[l].color = gauge;

@@ -12,6 +12,16 @@ constexpr int kRounds = 3;  // of footprints and shadows
 }  // namespace
 
 double Rms(const observe::Observations& all, const solve::Solution& solution) {
+  if (solution.evaluate.huber > 0.0) {
+    // Its cost is of another loss. Factors are as they are.
+    solve::EvaluateOptions squares = solution.evaluate;
+    squares.huber = 0.0;
+    squares.gradient_only = true;
+    model::Scene scene = solution.scene;
+    scene.free_factors = false;
+    return std::sqrt(2.0 * solve::Evaluate(all, scene, squares).cost /
+                     solve::ValueCount(all, squares));
+  }
   return std::sqrt(2.0 * solution.equations.cost / solve::ValueCount(all, solution.evaluate));
 }
 

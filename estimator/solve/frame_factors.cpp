@@ -99,7 +99,8 @@ void CompleteFactors(std::size_t keyframes, model::Scene& scene) {
   for (model::Light& light : scene.lights) light.factors.resize(keyframes, 1.0);
 }
 
-void MoveFactors(const FrameFactors& factors, const Eigen::VectorXd& step, model::Scene& scene) {
+void MoveFactors(const FrameFactors& factors, const Eigen::VectorXd& step, double share,
+                 model::Scene& scene) {
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
     model::Light& light = scene.lights[l];
     const auto row = static_cast<Eigen::Index>(l);
@@ -108,12 +109,12 @@ void MoveFactors(const FrameFactors& factors, const Eigen::VectorXd& step, model
     for (std::size_t k = 0; k < factors.keyframes.size(); ++k) {
       const FrameFactors::Keyframe& keyframe = factors.keyframes[k];
       if (!keyframe.seen[l]) continue;
-      const double by = keyframe.step[row] + keyframe.by_others.row(row).dot(step);
+      const double by = share * keyframe.step[row] + keyframe.by_others.row(row).dot(step);
       light.factors[k] = std::max(light.factors[k] + by, 0.0);
       sum += light.factors[k];
       ++seen;
     }
-    // Only a factor that ended at 0 leaves a mean that is not 1.
+    // Not 1 where one ended at 0, or a keyframe sees the light that did not before.
     const double mean = seen > 0 ? sum / seen : 1.0;
     if (!(mean > 0.0)) continue;
     for (std::size_t k = 0; k < factors.keyframes.size(); ++k)

@@ -43,7 +43,9 @@ void AddReduced(const FrameFactors& factors, std::size_t keyframe, const NormalE
 // Gives each light as many factors as there are keyframes, 1 where it has none.
 void CompleteFactors(std::size_t keyframes, model::Scene& scene);
 
-// Moves the factors along with a step of the other parameters; none below 0; means are 1 again.
-void MoveFactors(const FrameFactors& factors, const Eigen::VectorXd& step, model::Scene& scene);
+// Moves the factors along with a step of the other parameters, and by `share` of their own step;
+// none below 0; means are 1 again.
+void MoveFactors(const FrameFactors& factors, const Eigen::VectorXd& step, double share,
+                 model::Scene& scene);
 
 }  // namespace turnlight::estimator::solve

@@ -55,8 +55,7 @@ std::optional<model::Light> MostMissingLight(const observe::Observations& pixels
   options.samples_per_side = FootprintSamples(pixels, scene.reflectance);
   options.shadows = CastShadows(pixels, scene);
   const auto model = Predict(pixels, scene, options);
-  model::Scene alone = scene;
-  alone.reflectance.ambient = 0.0;
+  model::Scene alone = model::WithoutFactors(model::WithoutAmbient(scene));
   std::optional<model::Light> best;
   double most = 0.0;
   for (const Eigen::Vector3d& direction : model::SphereDirections(kDirections)) {

@@ -1,5 +1,6 @@
 #include "estimator/solve/normal_equations.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -13,6 +14,8 @@ namespace {
 
 using kernel::KernelModel;
 using kernel::KernelSums;
+
+constexpr std::size_t kPiecesAtATime = 512;
 
 // The sums of one chunk, with their storage.
 struct ChunkSums {
@@ -118,11 +121,9 @@ std::vector<NormalEquations> EvaluateParts(const observe::Observations& observat
                                            const EvaluateOptions& options,
                                            const KernelScenes& scenes, Function accumulate) {
   std::vector<ChunkSums> sums;
-  sums.reserve(scenes.pieces.size());
-  for (const KernelScenes::Piece& piece : scenes.pieces)
-    sums.emplace_back(scenes.scenes[piece.part].model.Shared());
-  ParallelFor(scenes.pieces.size(), [&](std::size_t i) {
-    const KernelScenes::Piece& piece = scenes.pieces[i];
+  std::size_t first = 0;
+  const auto accumulate_piece = [&](std::size_t i) {
+    const KernelScenes::Piece& piece = scenes.pieces[first + i];
     const KernelModel& model = scenes.scenes[piece.part].model;
     std::vector<Real> workspace(kernel::WorkspaceSize(model.Shared()));
     std::vector<const std::uint8_t*> lit;
@@ -130,15 +131,24 @@ std::vector<NormalEquations> EvaluateParts(const observe::Observations& observat
                PixelsOf(observations, options, piece.first, piece.tiles,
                         scenes.parts[piece.part].channel, lit),
                workspace.data(), sums[i].sums);
-  });
+  };
   const model::Parameters parameters(scene, observations.channels);
   std::vector<NormalEquations> out;
   std::size_t piece = 0;
   for (std::size_t p = 0; p < scenes.parts.size(); ++p) {
     const KernelModel& model = scenes.scenes[p].model;
     ChunkSums total(model.Shared());
-    for (; piece < sums.size() && scenes.pieces[piece].part == p; ++piece)
-      total.Add(sums[piece], model.channels);
+    for (; piece < scenes.pieces.size() && scenes.pieces[piece].part == p; ++piece) {
+      if (piece == first + sums.size()) {
+        // The sums of many pieces are large: so many at a time.
+        first = piece;
+        sums.clear();
+        for (std::size_t i = first; i < std::min(first + kPiecesAtATime, scenes.pieces.size()); ++i)
+          sums.emplace_back(scenes.scenes[scenes.pieces[i].part].model.Shared());
+        ParallelFor(sums.size(), accumulate_piece);
+      }
+      total.Add(sums[piece - first], model.channels);
+    }
     NormalEquations& part = out.emplace_back(Assemble(model, total.sums));
     if (IsWhole(scenes.parts[p])) continue;
     const Eigen::MatrixXd map = MapOf(scene, parameters, scenes.parts[p], model);

@@ -67,8 +67,9 @@ bool Held(const model::Parameter& parameter, const model::Scene& start, int gaug
     case kColour:
       // One light's is the gauge, or that of all that have it; the others' have a strength beside
       // them.
-      return (options.white.empty() ? owner == Strongest(start.lights)
-                                    : Says(options.white, owner)) ||
+      return (std::count(options.white.begin(), options.white.end(), true) > 0
+                  ? Says(options.white, owner)
+                  : owner == Strongest(start.lights)) ||
              parameter.part == largest(start.lights[owner].color);
     case kAmbientColour:
       return parameter.owner == largest(r.ambient_colour);
@@ -122,9 +123,14 @@ model::Scene Prepared(const model::Scene& start, const observe::Observations& ob
   return scene;
 }
 
-double PredictedGain(const NormalEquations& equations, const Eigen::VectorXd& step) {
+// Of their own step factors take so much, less with damping as the other parameters do.
+double ShareOf(double damping) { return 1.0 / (1.0 + damping); }
+
+double PredictedGain(const NormalEquations& equations, const Eigen::VectorXd& step,
+                     double damping) {
+  const double share = ShareOf(damping);
   return -step.dot(equations.gradient + 0.5 * (equations.hessian * step)) +
-         (equations.factors ? equations.factors->gain : 0.0);
+         (equations.factors ? share * (2.0 - share) * equations.factors->gain : 0.0);
 }
 
 bool Finite(const NormalEquations& equations) {
@@ -153,14 +159,14 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
     const double cost = out.equations.cost;
     const Eigen::VectorXd step =
         DampedStep(out.equations, model::Values(out.scene, parameters), limits, damping);
-    const double predicted = PredictedGain(out.equations, step);
+    const double predicted = PredictedGain(out.equations, step, damping);
     if (!(predicted > kRounding * cost) || damping > kMostDamping) {
       // Nothing to gain: at the minimum, or (its step not finite) as close as it can be known.
       out.stopped = predicted <= kRounding * cost ? Stopped::kTolerance : Stopped::kNoDescent;
       break;
     }
     model::Scene trial = model::WithinBounds(model::Moved(out.scene, parameters, step));
-    if (out.equations.factors) MoveFactors(*out.equations.factors, step, trial);
+    if (out.equations.factors) MoveFactors(*out.equations.factors, step, ShareOf(damping), trial);
     NormalEquations equations = Evaluate(observations, trial, options.evaluate);
     ++out.iterations;
     const double gained = cost - equations.cost;

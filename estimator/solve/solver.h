@@ -22,7 +22,7 @@ struct SolveOptions {
   Gauge gauge = Gauge::kStrongestLight;
   bool free_directions = true;
   bool free_f0 = false;              // of physical lobes
-  std::vector<bool> white;           // per light: its colour is held; empty: the strongest one's
+  std::vector<bool> white;           // per light: its colour is held; of none: the strongest one's
   std::vector<bool> fixed_distance;  // per light, as above
   EvaluateOptions evaluate;
   const StopFlag* stop = nullptr;  // set: ends before the next iteration, as at its limit

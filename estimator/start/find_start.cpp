@@ -33,6 +33,7 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
   Candidate candidate;
   if (guess) {
     candidate = FitGuess(sample, *guess, clusters, out.ladder);
+    if (choice.lobes == 2) candidate = ChooseSecondLobe(sample, candidate, out.ladder);
   } else {
     candidate = FindLights(sample, clusters, out.ladder);
     candidate = ChooseDiffuse(sample, candidate, out.ladder);

@@ -86,6 +86,7 @@ model::Scene StartFromGuess(const Sample& sample, const model::InitialGuess& gue
   }
   if (sample.choice.specular) model::SetLobeModel(r, *sample.choice.specular);
   r.diffuse_model = sample.choice.diffuse.value_or(r.diffuse_model);
+  if (sample.choice.lobes == 1) r.lobes[1] = model::Lobe{};
   start.free_factors = sample.choice.changing.value_or(false);
   start.free_harmonics = sample.choice.harmonics.value_or(false);
   return start;

@@ -36,6 +36,8 @@ Candidate ChooseSecondLobe(const Sample& sample, const Candidate& candidate,
   const auto& asked = sample.choice.lobes;
   const bool open = asked ? *asked == 2 : !sample.choice.specular;
   if (asked == 1) ladder.push_back({kRung, false, "as asked for"});
+  if (open && asked && !lobes[0].present())
+    ladder.push_back({kRung, false, "asked for, but there is no highlight"});
   if (!open || !lobes[0].present() || lobes[1].present()) return candidate;
   if (!asked && NothingLeft(candidate.excess, sample)) return candidate;
   Candidate best;

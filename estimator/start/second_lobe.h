@@ -11,7 +11,8 @@ namespace turnlight::estimator::start {
 // The candidate with another lobe of its first one's model, four times as broad or four times as
 // sharp to begin with, if that makes the excess variance twice as small without more lights; or as
 // sample.choice.lobes says. Not tried where nothing is left to explain, where there is no lobe, and
-// where the user chose a lobe without saying how many. The sharper is the first.
+// where the user chose a lobe without saying how many. The sharper is the first
+// to begin with.
 Candidate ChooseSecondLobe(const Sample& sample, const Candidate& candidate,
                            std::vector<model::Rung>& ladder);
 

@@ -24,7 +24,12 @@ namespace {
 // lobes reflect, and out of the other lights and the ambient light.
 model::Scene WithOneWhite(const std::vector<std::size_t>& order, model::Scene scene) {
   if (!order.empty()) {
-    const std::size_t white = order[std::min(scene.white_light, order.size() - 1)];
+    // A light that lacks a channel cannot be called white: the strongest is.
+    std::size_t white = order[std::min(scene.white_light, order.size() - 1)];
+    const auto lacks = [](const Eigen::Vector3d& c) {
+      return !(c.minCoeff() > 1e-3 * c.maxCoeff());
+    };
+    if (lacks(scene.lights[white].color)) white = order[0];
     const Eigen::Vector3d gauge = scene.lights[white].color.cwiseMax(1e-300);
     model::Reflectance& r = scene.reflectance;
     r.albedo = r.albedo.cwiseProduct(gauge);

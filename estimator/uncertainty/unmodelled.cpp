@@ -59,8 +59,7 @@ void AddLight(const observe::Observations& pixels, const model::Scene& scene,
   const auto light = solve::MostMissingLight(
       observe::EvenSubsample(pixels, kSearchPixels, 4, nullptr, scene.flickers()), scene);
   if (!light) return;
-  model::Scene alone = scene;
-  alone.reflectance.ambient = 0.0;
+  model::Scene alone = model::WithoutFactors(model::WithoutAmbient(scene));
   alone.lights = {*light};
   alone.lights.front().intensity = 1.0;
   options.shadows = solve::CastShadows(pixels, alone);

@@ -5,6 +5,7 @@
 
 #include "base/angles.h"
 #include "base/format.h"
+#include "estimator/model/direction_lattice.h"
 
 namespace turnlight::rig::sim {
 namespace {
@@ -103,6 +104,12 @@ void CheckReflectance(ConfigChecker& check, const SyntheticConfig& config) {
     CheckColour(check, "reflectance/albedo", given->albedo);
     check.From("reflectance/ambient", given->ambient, 0.0, kMaxValue);
     check.From("reflectance/diffuse", given->diffuse, 0.0, kMaxValue);
+    CheckColour(check, "reflectance/ambient_color", given->ambient_colour);
+    CheckColour(check, "reflectance/specular_color", given->specular_colour);
+    for (const Eigen::Vector3d& normal : estimator::model::SphereDirections(500))
+      check.Require(estimator::model::AmbientTerm(*given, normal) >= 0.0,
+                    "reflectance/ambient_harmonics",
+                    "ambient light below 0 from some side, allowed are smaller harmonics");
     for (const estimator::model::Lobe& lobe : given->lobes) {
       const auto& facts = FactsOf(lobe.model);
       check.From("reflectance/specular", lobe.strength, 0.0, kMaxValue);

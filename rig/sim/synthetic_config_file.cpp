@@ -97,8 +97,8 @@ Status ReadLightList(StrictObject& object, SyntheticConfig& config) {
     light.distance = NumberOrNull(entry, "distance");
     ReadField(entry, "intensity", light.intensity);
     ReadField(entry, "color", light.color);
-    if (entry.Has("factors"))
-      light.factors = entry.Numbers("factors", entry.Raw("factors").size(), {.min = 0.0});
+    if (auto factors = entry.OptionalList("factors", {.min = 0.0}))
+      light.factors = std::move(*factors);
     if (Status status = entry.Finish(); !status) return status;
     lights.push_back(light);
   }

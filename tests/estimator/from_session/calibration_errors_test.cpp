@@ -65,6 +65,7 @@ class Carried : public testing::Test {
     options.model.specular = base.reflectance.lobes[0].model;
     options.model.diffuse = base.reflectance.diffuse_model;
     options.model.near = true;
+    options.model.changing = options.model.harmonics = false;
     const auto again = EstimateScene(
         keyframes, estimated_->geometry,
         calib::RayGrid(moved.lens ? *moved.lens : *estimated_->session.camera), options);

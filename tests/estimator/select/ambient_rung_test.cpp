@@ -80,10 +80,9 @@ TEST(ChooseHarmonics, WhatIsAskedForIsDone) {
   choice.harmonics = false;
   const Selected constant(all, TwoLights(), choice);
   EXPECT_TRUE(constant.refined.solution.scene.reflectance.harmonics.isZero(0.0));
+  // Also where nothing calls for them.
   choice.harmonics = true;
-  model::Scene start = TwoLights();
-  start.free_harmonics = true;
-  const Selected uneven(all, start, choice);
+  const Selected uneven(NoisyPicture(TwoLights(), 1), TwoLights(), choice);
   EXPECT_FALSE(uneven.refined.solution.scene.reflectance.harmonics.isZero(0.0));
 }
 

@@ -52,10 +52,11 @@ TEST(ChooseIntensities, WhatIsAskedForIsDone) {
   model::ModelChoice choice;
   choice.changing = false;
   EXPECT_FALSE(FoundChanging(all, TwoLights(), choice));
+  // Also where nothing calls for them.
   choice.changing = true;
-  model::Scene start = TwoLights();
-  start.free_factors = true;
-  EXPECT_TRUE(FoundChanging(all, start, choice));
+  EXPECT_TRUE(
+      FoundChanging(ChangingPictures(Changing(TwoLights(), 0.0, kKeyframes, 3), kKeyframes, kNoise),
+                    TwoLights(), choice));
 }
 
 TEST(ChooseIntensities, OneViewTellsNothing) {

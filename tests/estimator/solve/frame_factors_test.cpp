@@ -98,7 +98,7 @@ TEST(FrameFactors, AKeyframeThatDoesNotSeeALightLeavesItsFactorAlone) {
   scene.lights.resize(kFactors);
   CompleteFactors(kKeyframes, scene);
   scene.lights[0].factors[2] = 1.7;
-  MoveFactors(factors, Eigen::VectorXd::Zero(kOthers), scene);
+  MoveFactors(factors, Eigen::VectorXd::Zero(kOthers), 1.0, scene);
   EXPECT_EQ(scene.lights[0].factors[2], 1.7);
 }
 

@@ -150,7 +150,7 @@ TEST(Solver, HeldDistancesDirectionsAndLobeDoNotMove) {
   EXPECT_EQ(s.scene.reflectance.roughness, 0.3);
 }
 
-TEST(Solver, AWhiteLightsColourIsHeldAndTheStrongestLights) {
+TEST(Solver, TheColoursOfWhiteLightsAreHeldElseTheStrongestLights) {
   model::Scene truth = TwoLights();
   truth.lights.push_back({Eigen::Vector3d(0.1, -0.9, 0.4).normalized(), 0.1, 0.3, {1.0, 0.8, 0.6}});
   const RandomObservations random(2000, 3, 5, &truth);
@@ -158,7 +158,7 @@ TEST(Solver, AWhiteLightsColourIsHeldAndTheStrongestLights) {
   start.lights[2].color = Eigen::Vector3d::Ones();
   start.free_colours = true;
   // Of the third nothing is said.
-  for (const std::vector<bool>& white : {std::vector<bool>{}, {false, true}}) {
+  for (const std::vector<bool>& white : {std::vector<bool>{}, {true, true}}) {
     SolveOptions options;
     options.white = white;
     const Solution s = Solve(random.observations, start, options);
