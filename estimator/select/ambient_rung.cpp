@@ -16,8 +16,13 @@ constexpr double kLeastRms = 0.002;  // of white, over the sphere of normals
 constexpr double kLeastShare = 0.2;  // of the residuals' variance, where that is not noise
 constexpr char kUneven[] = "ambient-harmonics";
 
-// What the harmonics would lower the cost by, the other unknowns following: a score test.
-double GainOf(const observe::Observations& observations, const solve::Solution& solution) {
+// What the harmonics would lower the cost by, the other unknowns following, and what they would
+// be (root mean square, of white): a score test.
+struct Gain {
+  double cost = 0.0, rms = 0.0;
+};
+
+Gain GainOf(const observe::Observations& observations, const solve::Solution& solution) {
   model::Scene scene = solution.scene;
   scene.free_harmonics = true;
   const solve::NormalEquations there = solve::Evaluate(observations, scene, solution.evaluate);
@@ -35,7 +40,14 @@ double GainOf(const observe::Observations& observations, const solve::Solution& 
     if (with[unknowns[i]].kind == model::ParameterKind::kHarmonic)
       gradient[static_cast<Eigen::Index>(i)] = there.gradient[unknowns[i]];
   const solve::ScaledFactor factor(there.hessian(unknowns, unknowns));
-  return factor.Good() ? 0.5 * gradient.dot(factor.Solve(gradient)) : 0.0;
+  if (!factor.Good()) return {};
+  const Eigen::VectorXd step = factor.Solve(gradient);
+  double square = 0.0;
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    if (with[unknowns[i]].kind == model::ParameterKind::kHarmonic)
+      square += std::pow(step[static_cast<Eigen::Index>(i)], 2);
+  const double to_white = solution.scene.reflectance.albedo.maxCoeff() * observations.radiance_unit;
+  return {0.5 * gradient.dot(step), to_white * std::sqrt(square)};
 }
 
 // Whether the residuals call for harmonics, by a score test; a rung if not.
@@ -43,12 +55,16 @@ bool CallFor(const observe::Observations& observations, const solve::Solution& s
              std::vector<model::Rung>& ladder) {
   const double values = solve::ValueCount(observations, solution.evaluate);
   const double variance = 2.0 * solution.equations.cost / values;
-  const double explained = 2.0 * GainOf(observations, solution) / std::max(variance, 1e-300);
-  if (!(explained > model::kHarmonics + kChance * std::sqrt(2.0 * model::kHarmonics))) {
-    ladder.push_back({kUneven, false,
-                      Format("ambient light that depends on the normal would explain %.3g of the "
-                             "residuals' variance; chance alone explains %.3g",
-                             explained / values, model::kHarmonics / values)});
+  const Gain gain = GainOf(observations, solution);
+  const double explained = 2.0 * gain.cost / std::max(variance, 1e-300);
+  if (!(explained > model::kHarmonics + kChance * std::sqrt(2.0 * model::kHarmonics)) ||
+      !(gain.rms > 0.5 * kLeastRms)) {
+    ladder.push_back(
+        {kUneven, false,
+         Format("ambient light that depends on the normal would explain %.3g of the "
+                "residuals' variance, chance alone %.3g, and vary by %.2g of white; it "
+                "is tried from %.2g on",
+                explained / values, model::kHarmonics / values, gain.rms, 0.5 * kLeastRms)});
     return false;
   }
   // Where more than noise is left, harmonics can stand for a surface that the model lacks.

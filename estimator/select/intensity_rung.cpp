@@ -10,7 +10,8 @@
 namespace turnlight::estimator::select {
 namespace {
 
-constexpr double kLeastChange = 0.003;  // root mean square of the factors about 1
+constexpr double kLeastChange = 0.003;                  // root mean square of the factors about 1
+constexpr double kScreenedChange = kLeastChange / 3.0;  // from where it is worth a solve
 constexpr double kVarianceRatio = 1.25;
 constexpr double kAsGood = 0.9;  // of the variance that factors explain
 constexpr char kIntensities[] = "changing-intensities";
@@ -64,13 +65,30 @@ double VarianceOf(const observe::Observations& observations, const solve::Soluti
   return rms * rms;
 }
 
-// What factors would explain, counted in a value's variance.
+// What factors would explain, counted in a value's variance, and how far they would go from 1 with
+// all else as it is.
 struct Screen {
-  double explained = 0.0, parameters = 0.0;
-  bool beyond_chance() const {
-    return explained > parameters + kChance * std::sqrt(2.0 * parameters);
+  double explained = 0.0, parameters = 0.0, change = 0.0;
+  bool passed() const {
+    return explained > parameters + kChance * std::sqrt(2.0 * parameters) &&
+           change > kScreenedChange;
   }
 };
+
+// Root mean square of the steps, of the light that moves most.
+double LargestChange(const solve::FrameFactors& factors, std::size_t lights) {
+  double most = 0.0;
+  for (std::size_t l = 0; l < lights; ++l) {
+    double square = 0.0, seen = 0.0;
+    for (const solve::FrameFactors::Keyframe& keyframe : factors.keyframes) {
+      if (!keyframe.seen[l]) continue;
+      square += std::pow(keyframe.step[static_cast<Eigen::Index>(l)], 2);
+      seen += 1.0;
+    }
+    most = std::max(most, std::sqrt(square / std::max(seen, 1.0)));
+  }
+  return most;
+}
 
 model::Scene WithFreeFactors(const observe::Observations& observations, model::Scene scene) {
   scene.free_factors = true;
@@ -82,7 +100,8 @@ Screen ScreenOf(const observe::Observations& observations, const solve::Solution
   const solve::NormalEquations there = solve::Evaluate(
       observations, WithFreeFactors(observations, solution.scene), solution.evaluate);
   const double variance = std::max(VarianceOf(observations, solution), 1e-300);
-  return {2.0 * there.factors->gain / variance, static_cast<double>(there.factors->count())};
+  return {2.0 * there.factors->gain / variance, static_cast<double>(there.factors->count()),
+          LargestChange(*there.factors, solution.scene.lights.size())};
 }
 
 // What became of a look at factors: the fit with them, or uneven ambient light in their place.
@@ -129,18 +148,20 @@ void ChooseIntensities(const observe::Observations& observations, double noise,
   if (observations.tile_begin.size() < 3 || scene.lights.empty()) return;
   Screen screen = ScreenOf(observations, out.solution);
   Tried tried;
-  if (screen.beyond_chance()) {
+  if (screen.passed()) {
     tried = TryBoth(observations, !scene.free_harmonics && !choice.harmonics, out);
     if (tried.uneven) screen = ScreenOf(observations, out.solution);
-    if (tried.uneven && screen.beyond_chance()) tried = TryBoth(observations, false, out);
+    if (tried.uneven && screen.passed()) tried = TryBoth(observations, false, out);
     if (StopRequested(out.options.stop)) return;
   }
   const double values = solve::ValueCount(observations, out.solution.evaluate);
-  if (!screen.beyond_chance()) {
+  if (!screen.passed()) {
     ladder.push_back({kIntensities, false,
                       Format("a factor for each light in each keyframe would explain %.3g of the "
-                             "residuals' variance; chance alone explains %.3g",
-                             screen.explained / values, screen.parameters / values)});
+                             "residuals' variance, chance alone %.3g, and be %.2g off 1; it is "
+                             "tried from %.2g on",
+                             screen.explained / values, screen.parameters / values, screen.change,
+                             kScreenedChange)});
     return;
   }
   Refined& changing = tried.changing;
