@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "base/format.h"
 #include "bench/studies/summary_parts.h"
 
 namespace turnlight::studies {
@@ -24,16 +26,37 @@ void AcceptSum(const std::vector<const Json*>& records, const char* key, const s
   Accept(out, what, good, all, 0.95);
 }
 
-void AcceptDirections(const std::string& kind, const std::vector<const Json*>& records,
-                      Summary& out) {
+// The scenes of one kind. With those that gave no result, which are right in nothing.
+struct LightKind {
+  std::string name;
+  std::vector<const Json*> records;
+  std::size_t attempted = 0;
+
+  LightKind(std::string of, const StudyFile& file, const std::vector<const Json*>& measured)
+      : name(std::move(of)) {
+    for (const Json* record : measured)
+      if ((*record)["kind"] == name) records.push_back(record);
+    for (const auto& [id, record] : file.records)
+      if (id.ends_with("/" + name) && !record.contains("left_out")) ++attempted;
+  }
+  // That `key` has this value in.
+  void AcceptThat(const char* key, bool value, const std::string& what, Summary& out) const {
+    Accept(out, name + ": " + what,
+           Of(records, [&](const Json& record) { return record[key] == value; }), attempted, 0.95);
+  }
+};
+
+void AcceptLights(const LightKind& kind, Summary& out) {
+  Accept(out, kind.name + ": number of lights right", Of(kind.records, Right), kind.attempted,
+         0.95);
   std::size_t good = 0, all = 0;
-  for (const Json* record : records)
+  for (const Json* record : kind.records)
     for (const Quantity& quantity : Quantities(*record))
       if (quantity.name == "direction" && quantity.sigma) {
         ++all;
         good += quantity.Error() <= 3.0 * *quantity.sigma ? 1 : 0;
       }
-  Accept(out, kind + ": directions within 3 sigma_total", good, all, 0.95);
+  Accept(out, kind.name + ": directions within 3 sigma_total", good, all, 0.95);
 }
 
 }  // namespace
@@ -41,47 +64,26 @@ void AcceptDirections(const std::string& kind, const std::vector<const Json*>& r
 Summary SummariseLights(const StudyFile& file) {
   Summary out;
   const auto records = Measured(file, out.text);
-  const auto of_kind = [&](const char* kind) {
-    std::vector<const Json*> chosen;
-    for (const Json* record : records)
-      if ((*record)["kind"] == kind) chosen.push_back(record);
-    return chosen;
-  };
-  const auto said = [](const char* key, bool value) {
-    return [key, value](const Json& record) { return record[key] == value; };
-  };
-  const auto white = of_kind("white"), coloured = of_kind("coloured"),
-             flickering = of_kind("flickering"), warming = of_kind("warming"),
-             field = of_kind("light-field");
-  const auto several = [](std::vector<const Json*> of) {
-    std::erase_if(of, [](const Json* record) { return (*record)["lights_true"] == 1; });
-    return of;
-  };
-  Accept(out, "white: called white", Of(white, said("found_coloured", false)), white.size(), 0.95);
-  Accept(out, "white: called constant", Of(white, said("found_changing", false)), white.size(),
-         0.95);
-  Accept(out, "white: ambient light called constant", Of(white, said("found_uneven", false)),
-         white.size(), 0.95);
-  for (const auto& [kind, of] : {std::pair("white", &white),
-                                 {"coloured", &coloured},
-                                 {"flickering", &flickering},
-                                 {"warming", &warming},
-                                 {"light-field", &field}}) {
-    Accept(out, std::string(kind) + ": number of lights right", Of(*of, Right), of->size(), 0.95);
-    AcceptDirections(kind, *of, out);
-  }
-  const auto mixed = several(coloured);
-  Accept(out, "coloured, several: called coloured", Of(mixed, said("found_coloured", true)),
+  const LightKind white("white", file, records), coloured("coloured", file, records),
+      flickering("flickering", file, records), warming("warming", file, records),
+      field("light-field", file, records);
+  white.AcceptThat("found_coloured", false, "called white", out);
+  white.AcceptThat("found_changing", false, "called constant", out);
+  white.AcceptThat("found_uneven", false, "ambient light called constant", out);
+  for (const LightKind* kind : {&white, &coloured, &flickering, &warming, &field})
+    AcceptLights(*kind, out);
+  std::vector<const Json*> mixed = coloured.records;
+  std::erase_if(mixed, [](const Json* record) { return (*record)["lights_true"] == 1; });
+  Accept(out, "coloured, several: called coloured",
+         Of(mixed, [](const Json& record) { return record["found_coloured"] == true; }),
          mixed.size(), 0.95);
-  AcceptSum(coloured, "colours", "coloured: colours within 3 sigma", out);
-  Accept(out, "flickering: found", Of(flickering, said("found_changing", true)), flickering.size(),
-         0.95);
-  AcceptSum(flickering, "factors", "flickering: factors within 3 sigma", out);
-  Accept(out, "warming: found", Of(warming, said("found_changing", true)), warming.size(), 0.95);
-  AcceptSum(warming, "factors", "warming: factors within 3 sigma", out);
-  AcceptSum(field, "harmonics", "light-field: harmonics within 3 sigma", out);
-  out.text += Format("  light-field: said in %zu of %zu\n", Of(field, said("found_uneven", true)),
-                     field.size());
+  AcceptSum(coloured.records, "colours", "coloured: colours within 3 sigma", out);
+  for (const LightKind* kind : {&flickering, &warming}) {
+    kind->AcceptThat("found_changing", true, "found", out);
+    AcceptSum(kind->records, "factors", kind->name + ": factors within 3 sigma", out);
+  }
+  field.AcceptThat("found_uneven", true, "found", out);
+  AcceptSum(field.records, "harmonics", "light-field: harmonics within 3 sigma", out);
   for (const Json* record : records)
     if (!Right(*record)) out.text += SceneLine(*record);
   return out;

@@ -1,6 +1,5 @@
 #include "estimator/select/ambient_rung.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -26,8 +25,7 @@ Gain GainOf(const observe::Observations& observations, const solve::Solution& so
   model::Scene scene = solution.scene;
   scene.free_harmonics = true;
   const solve::NormalEquations there = solve::Evaluate(observations, scene, solution.evaluate);
-  const model::Parameters with(scene, observations.channels),
-      without(solution.scene, observations.channels);
+  const model::Parameters with(scene, observations.channels);
   std::vector<int> unknowns;
   for (int column = 0, own = 0; column < with.count(); ++column) {
     const bool harmonic = with[column].kind == model::ParameterKind::kHarmonic;

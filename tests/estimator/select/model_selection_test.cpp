@@ -69,11 +69,16 @@ TEST(Refine, ColoursThatAreNotThereAreTakenOut) {
   }
 }
 
+model::Scene GlossyOfF0(double f0) {
+  model::Scene scene = TwoLights();
+  scene.reflectance.lobes[0] = {model::SpecularModel::kGgx, f0 < 1.0 ? 1.0 : 0.2, 0.25, f0};
+  return scene;
+}
+
 // Of light and viewer near each other F is F0: only views at grazing angles tell it from 1.
 TEST(Refine, F0IsHeldUnlessTheViewsTellIt) {
   for (const double f0 : {0.1, 1.0}) {
-    model::Scene truth = TwoLights();
-    truth.reflectance.lobes[0] = {model::SpecularModel::kGgx, f0 < 1.0 ? 1.0 : 0.2, 0.25, f0};
+    const model::Scene truth = GlossyOfF0(f0);
     model::Scene start = truth;
     start.reflectance.lobes[0].f0 = 1.0;
     start.reflectance.lobes[0].strength *= f0;
@@ -88,8 +93,7 @@ TEST(Refine, F0IsHeldUnlessTheViewsTellIt) {
 // The start's F0, as a user may give it, is gone on from, or is 1 again.
 TEST(Refine, AnF0OfTheStartIsNoDecision) {
   for (const double f0 : {0.1, 1.0}) {
-    model::Scene truth = TwoLights();
-    truth.reflectance.lobes[0] = {model::SpecularModel::kGgx, f0 < 1.0 ? 1.0 : 0.2, 0.25, f0};
+    const model::Scene truth = GlossyOfF0(f0);
     model::Scene start = truth;
     start.reflectance.lobes[0].f0 = 0.2;
     start.reflectance.lobes[0].strength *= f0 / 0.2;
