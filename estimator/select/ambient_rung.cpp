@@ -44,8 +44,9 @@ Gain GainOf(const observe::Observations& observations, const solve::Solution& so
   for (std::size_t i = 0; i < unknowns.size(); ++i)
     if (with[unknowns[i]].kind == model::ParameterKind::kHarmonic)
       square += std::pow(step[static_cast<Eigen::Index>(i)], 2);
-  const double to_white = solution.scene.reflectance.albedo.maxCoeff() * observations.radiance_unit;
-  return {0.5 * gradient.dot(step), to_white * std::sqrt(square)};
+  // In the observations' unit, as every threshold: the exposure decides nothing.
+  return {0.5 * gradient.dot(step),
+          solution.scene.reflectance.albedo.maxCoeff() * std::sqrt(square)};
 }
 
 // Whether the residuals call for harmonics, by a score test; a rung if not.
@@ -111,7 +112,7 @@ void ChooseHarmonics(const observe::Observations& observations, const model::Mod
   const uncertainty::Reported reported =
       uncertainty::Report(uneven.solution.scene, observations, order);
   const double most = MostSigmas(reported.reflectance, sigma);
-  const double rms = reported.reflectance.harmonics.norm();
+  const double rms = reported.reflectance.harmonics.norm() / observations.radiance_unit;
   const bool accepted = most > kSignificance && rms >= kLeastRms;
   ladder.push_back(
       {kUneven, accepted,
