@@ -160,6 +160,7 @@ model::Scene Estimate::ToScene() const {
   scene.free_colours = channels == 3 && scene.coloured();
   scene.free_factors = scene.flickers();
   scene.free_harmonics = !reflectance.harmonics.isZero(0.0);
+  scene.free_shading = !reflectance.shading.isZero(0.0);
   return scene;
 }
 

@@ -31,6 +31,8 @@ constexpr Row kTable[] = {
     {ParameterKind::kStrength, "specular", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kShape, "", Chart::kLogarithm, 0.0, kInfinity, 1.0},
     {ParameterKind::kF0, "f0", Chart::kLinear, kLeastF0, 1.0, 0.3},
+    {ParameterKind::kShading, "diffuse harmonic", Chart::kLinear, -kInfinity, kInfinity,
+     kInfinity},
     {ParameterKind::kRoughness, "roughness", Chart::kSquare, 0.0, kMaxRoughness, 0.2},
     {ParameterKind::kIntensity, "intensity", Chart::kLinear, 0.0, kInfinity, kInfinity},
     {ParameterKind::kTangent, "direction", Chart::kTangent, -kInfinity, kInfinity, 0.3},
@@ -59,6 +61,8 @@ double* At(const Parameter& parameter, Scene& scene) {
       return &r.ambient;
     case ParameterKind::kHarmonic:
       return &r.harmonics[parameter.owner];
+    case ParameterKind::kShading:
+      return &r.shading[parameter.owner];
     case ParameterKind::kDiffuse:
       return &r.diffuse;
     case ParameterKind::kStrength:
@@ -145,6 +149,7 @@ Parameters::Parameters(const Scene& scene, int channels)
     add_f0(lobe);
   }
   for (int j = 0; scene.free_harmonics && j < kHarmonics; ++j) list_.push_back({kHarmonic, j});
+  for (int j = 0; scene.free_shading && j < kHarmonics; ++j) list_.push_back({kShading, j});
   first_light_ = count();
   for (int l = 0; l < lights_; ++l)
     list_.insert(list_.end(),
@@ -176,6 +181,7 @@ std::string NameOf(const Parameter& parameter, const Scene& scene) {
                  .shape_key +
              of_lobe;
     case ParameterKind::kHarmonic:
+    case ParameterKind::kShading:
       return name + " " + number;
     case ParameterKind::kStrength:
     case ParameterKind::kF0:

@@ -19,6 +19,7 @@ enum class ParameterKind {
   kStrength,   // k_s of a lobe
   kShape,      // its exponent or alpha; logarithm
   kF0,         // its F0
+  kShading,    // d of a spherical harmonic; the diffuse part's departures
   kRoughness,  // of the diffuse model; by its square, for the model is even in it, and a start
                // at 0 would not move
   kIntensity,  // I of a light
@@ -67,6 +68,7 @@ class Parameters {
   int Strength(int lobe) const { return Find(ParameterKind::kStrength, lobe); }
   int Shape(int lobe) const { return Find(ParameterKind::kShape, lobe); }
   int F0(int lobe) const { return Find(ParameterKind::kF0, lobe); }
+  int Shading(int j) const { return Find(ParameterKind::kShading, j); }
   int Roughness() const { return Find(ParameterKind::kRoughness); }
   int FirstLight() const { return first_light_; }  // its intensity; also where there is none
   int Intensity(int light) const { return Find(ParameterKind::kIntensity, light); }

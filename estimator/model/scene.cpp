@@ -93,11 +93,20 @@ const reflectance::DiffuseFacts& FactsOf(DiffuseModel model) {
   return *facts;
 }
 
-double AmbientTerm(const Reflectance& r, const Eigen::Vector3d& normal) {
-  double values[kHarmonics], sum = r.ambient;
+namespace {
+
+double HarmonicSum(const Eigen::Matrix<double, kHarmonics, 1>& coefficients,
+                   const Eigen::Vector3d& normal) {
+  double values[kHarmonics], sum = 0.0;
   FillHarmonics<Numbers>(normal.x(), normal.y(), normal.z(), values);
-  for (int j = 0; j < kHarmonics; ++j) sum += r.harmonics[j] * values[j];
+  for (int j = 0; j < kHarmonics; ++j) sum += coefficients[j] * values[j];
   return sum;
+}
+
+}  // namespace
+
+double AmbientTerm(const Reflectance& r, const Eigen::Vector3d& normal) {
+  return r.ambient + HarmonicSum(r.harmonics, normal);
 }
 
 double DiffuseTerm(const Reflectance& r, const Eigen::Vector3d& normal,
@@ -113,7 +122,7 @@ double DiffuseTerm(const Reflectance& r, const Eigen::Vector3d& normal,
         Model::template Evaluate<Numbers>(constants, {nl, nv, to_light.dot(to_viewer) - nl * nv})
             .value;
   });
-  return value;
+  return r.shading.isZero(0.0) ? value : value * (1.0 + HarmonicSum(r.shading, normal));
 }
 
 double SpecularTerm(const Lobe& lobe, const Eigen::Vector3d& normal,

@@ -71,6 +71,9 @@ struct Reflectance {
   double diffuse = 1.0;  // k_d
   DiffuseModel diffuse_model = DiffuseModel::kLambert;
   double roughness = 0.0;  // Oren-Nayar's sigma, radians of facet slope; 0 is Lambert
+  // d: how the diffuse part departs from its model with the normal, as a share of it: f_d (1 +
+  // sum_j d_j Y_j(n)) by spherical_harmonics.h. What real surfaces have and no model; 0: nothing.
+  Eigen::Matrix<double, kHarmonics, 1> shading = Eigen::Matrix<double, kHarmonics, 1>::Zero();
   // Of the ambient light and of what the lobes reflect, R G B, the largest 1: white unless lights
   // are coloured.
   Eigen::Vector3d ambient_colour = Eigen::Vector3d::Ones();
@@ -89,9 +92,9 @@ struct Scene {
   // Which light is said to be white where colours are fitted: of those in the order of their
   // strength the one with this index.
   std::size_t white_light = 0;
-  // For a fit: the lights' factors are unknowns (see solve/frame_factors.h), and the ambient
-  // light's harmonics are.
-  bool free_factors = false, free_harmonics = false;
+  // For a fit: the lights' factors are unknowns (see solve/frame_factors.h), the ambient light's
+  // harmonics are, and the diffuse part's departures are.
+  bool free_factors = false, free_harmonics = false, free_shading = false;
 
   // Whether any colour but the albedo is not white.
   bool coloured() const;
@@ -111,7 +114,8 @@ Scene WithoutAmbient(Scene scene);
 
 // k_a(n) for a unit normal.
 double AmbientTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal);
-// f_d of the diffuse model for unit vectors; 0 where the light is below the surface.
+// f_d of the diffuse model with its departures, for unit vectors; 0 where the light is below the
+// surface.
 double DiffuseTerm(const Reflectance& reflectance, const Eigen::Vector3d& normal,
                    const Eigen::Vector3d& to_light, const Eigen::Vector3d& to_viewer);
 // f_s of one lobe; 0 without one.

@@ -44,7 +44,8 @@ struct InFlight {
 }  // namespace
 
 KeyframeTracer::KeyframeTracer(const model::Keyframe& keyframe, std::uint32_t index,
-                               const target::Geometry& geometry, const calib::RayGrid& rays)
+                               const target::Geometry& geometry, const calib::RayGrid& rays,
+                               Clipped clipped)
     : index_(index),
       geometry_(&geometry),
       rays_(&rays),
@@ -53,7 +54,7 @@ KeyframeTracer::KeyframeTracer(const model::Keyframe& keyframe, std::uint32_t in
                                                                            : kGrazingCurved),
       flags_(rays.height(), rays.width(), std::uint8_t{kOffTarget}) {
   const bool small = IsTracedWhole(keyframe.mask.total());
-  MarkPicture(keyframe, small ? TraceWhole(keyframe.mask) : TraceMiddles(keyframe.mask));
+  MarkPicture(keyframe, small ? TraceWhole(keyframe.mask) : TraceMiddles(keyframe.mask), clipped);
   candidates_ = flags_.total() - static_cast<std::size_t>(cv::countNonZero(flags_));
   for (auto& row : rows_)
     for (const TracedPixel& traced : row)
@@ -98,10 +99,13 @@ cv::Mat1b KeyframeTracer::TraceMiddles(const cv::Mat1b& mask) {
 }
 
 // Adds what the picture and the target's outline say.
-void KeyframeTracer::MarkPicture(const model::Keyframe& keyframe, const cv::Mat1b& target) {
+void KeyframeTracer::MarkPicture(const model::Keyframe& keyframe, const cv::Mat1b& target,
+                                 Clipped clipped) {
   const cv::Rect box = Surroundings(target);
   // Charge and interpolation spill over from what is far too bright; noise does not.
-  cv::Mat1b saturated = keyframe.image.saturated.clone();
+  cv::Mat1b saturated = clipped == Clipped::kLeftOut
+                            ? keyframe.image.saturated.clone()
+                            : cv::Mat1b(flags_.size(), std::uint8_t{0});
   cv::Mat1b broken;
   if (!box.empty()) {
     broken = FindBrokenPixels(keyframe.image.radiance(box), target(box));
@@ -121,6 +125,8 @@ void KeyframeTracer::MarkPicture(const model::Keyframe& keyframe, const cv::Mat1
       if ((found & kFloored) != 0) flag |= kLostInNoise;
     }
 }
+
+void KeyframeTracer::LeaveOut(const cv::Mat1b& pixels) { flags_ |= (pixels != 0) & kNotTaken; }
 
 std::vector<TracedPixel> KeyframeTracer::TracedRow(int row, const BlockChoice& choice) {
   const PixelTracer tracer(poses_, *geometry_, *rays_);
@@ -167,7 +173,8 @@ bool IsTracedWhole(std::size_t picture_pixels) { return picture_pixels <= kSmall
 Status TraceKeyframes(
     const model::KeyframeSource& keyframes, const target::Geometry& geometry,
     const calib::RayGrid& rays, const StopFlag* stop,
-    const std::function<void(std::size_t index, const model::Keyframe&, KeyframeTracer&)>& put) {
+    const std::function<void(std::size_t index, const model::Keyframe&, KeyframeTracer&)>& put,
+    Clipped clipped) {
   const std::size_t at_a_time =
       KeyframesInFlight(static_cast<std::size_t>(rays.width()) * rays.height());
   for (std::size_t first = 0; first < keyframes.size(); first += at_a_time) {
@@ -177,7 +184,8 @@ Status TraceKeyframes(
       batch[i].keyframe = keyframes.read(first + i);
       if (!batch[i].keyframe) return;
       batch[i].tracer =
-          KeyframeTracer(*batch[i].keyframe, static_cast<std::uint32_t>(first + i), geometry, rays);
+          KeyframeTracer(*batch[i].keyframe, static_cast<std::uint32_t>(first + i), geometry, rays,
+                         clipped);
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (StopRequested(stop)) return InterruptedError();

@@ -26,7 +26,12 @@ enum PixelFlag : std::uint8_t {
   kGrazing = 8,        // seen too flat for its footprint to be trusted
   kUnlikeOthers = 16,  // an outlier among its neighbours
   kLostInNoise = 32,   // cut off at the sensor's floor
+  kNotTaken = 64,      // of many alike, others were taken
 };
+
+// What becomes of pixels at white: they and their neighbours are left out, or kept, for a fit that
+// takes them as "this or more".
+enum class Clipped { kLeftOut, kKept };
 
 struct TracedPixel {
   std::uint32_t pixel = 0;  // row * width + column
@@ -42,11 +47,15 @@ class KeyframeTracer {
   KeyframeTracer() = default;
   // The first step. Geometry and rays must outlive the tracer; the keyframe need not.
   KeyframeTracer(const model::Keyframe& keyframe, std::uint32_t index,
-                 const target::Geometry& geometry, const calib::RayGrid& rays);
+                 const target::Geometry& geometry, const calib::RayGrid& rays,
+                 Clipped clipped = Clipped::kLeftOut);
 
   // Used pixels of rows [begin, end) in blocks that are kept, row by row; each row can be asked for
   // once.
   std::vector<std::vector<TracedPixel>> Rows(int begin, int end, const BlockChoice& choice);
+
+  // Before any rows: pixels that are not 0 here are not taken.
+  void LeaveOut(const cv::Mat1b& pixels);
 
   // One byte of PixelFlag bits per pixel. Jumps of depth and normal are known of the rows that were
   // asked for, where blocks are kept.
@@ -57,7 +66,7 @@ class KeyframeTracer {
  private:
   cv::Mat1b TraceWhole(const cv::Mat1b& mask);
   cv::Mat1b TraceMiddles(const cv::Mat1b& mask);
-  void MarkPicture(const model::Keyframe& keyframe, const cv::Mat1b& target);
+  void MarkPicture(const model::Keyframe& keyframe, const cv::Mat1b& target, Clipped clipped);
   std::vector<TracedPixel> TracedRow(int row, const BlockChoice& choice);
 
   std::uint32_t index_ = 0;
@@ -82,6 +91,7 @@ bool IsTracedWhole(std::size_t picture_pixels);
 Status TraceKeyframes(
     const model::KeyframeSource& keyframes, const target::Geometry& geometry,
     const calib::RayGrid& rays, const StopFlag* stop,
-    const std::function<void(std::size_t index, const model::Keyframe&, KeyframeTracer&)>& put);
+    const std::function<void(std::size_t index, const model::Keyframe&, KeyframeTracer&)>& put,
+    Clipped clipped = Clipped::kLeftOut);
 
 }  // namespace turnlight::estimator::observe

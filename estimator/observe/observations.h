@@ -49,8 +49,7 @@ struct Observations {
   bool weighted = false;
   std::vector<float> variance, weight;
   // Of each pixel, bit c: its radiance in channel c is at white, so that it was this or more; the
-  // residual there is one-sided in the normal equations. Empty: no pixel's is; nothing fills it
-  // yet.
+  // residual there is one-sided in the normal equations. Empty: no pixel's is.
   bool one_sided = false;
   std::vector<std::uint8_t> at_white;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
@@ -67,6 +66,9 @@ struct Observations {
   // Keyframe k's tiles (before subsampling) are [tile_begin[k], tile_begin[k + 1]).
   std::vector<std::size_t> tile_begin{0};
   std::size_t used = 0;  // pixels that are not filling
+  // How many independent pixels they are worth, where weights say that neighbours go together; 0:
+  // as many as are used.
+  double independent = 0.0;
 
   static constexpr std::uint32_t kNoPixel = 0xFFFFFFFFu;
   // So many entries, all of them filling. channels, caster, weighted and one_sided must be set.

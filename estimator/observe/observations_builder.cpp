@@ -61,7 +61,8 @@ void ObservationsBuilder::TakeChannels(const cv::Mat& radiance) {
   }
 }
 
-void ObservationsBuilder::Add(const model::Keyframe& keyframe, KeyframeTracer& tracer) {
+void ObservationsBuilder::Add(const model::Keyframe& keyframe, KeyframeTracer& tracer,
+                              const cv::Mat1b* marks) {
   if (keyframe.image.variance.empty()) DropWeights(out_);
   TakeChannels(keyframe.image.radiance);
   if (out_.caster != nullptr) out_.X_TW.push_back(keyframe.X_WT.Inverse());
@@ -73,21 +74,26 @@ void ObservationsBuilder::Add(const model::Keyframe& keyframe, KeyframeTracer& t
   begin_.push_back(begin_.back());
   const int height = rays_->height(), band = std::max(kBandPixels / rays_->width(), 1);
   for (int row = 0; row < height; row += band) {
-    Append(keyframe, tracer.Rows(row, std::min(row + band, height), out_.blocks));
+    Append(keyframe, marks, tracer.Rows(row, std::min(row + band, height), out_.blocks));
     while (used_ > most_) Thin();
   }
   begin_.back() = begin_[begin_.size() - 2] + WholeTiles(count_.back());
   Resize(begin_.back());
 }
 
-void ObservationsBuilder::Append(const model::Keyframe& keyframe, const Rows& rows) {
+void ObservationsBuilder::Append(const model::Keyframe& keyframe, const cv::Mat1b* marks,
+                                 const Rows& rows) {
   std::vector<std::size_t> at{begin_[begin_.size() - 2] + count_.back()};
   for (const auto& row : rows) at.push_back(at.back() + row.size());
   Resize(at.back());
   count_.back() += at.back() - at.front();
   used_ += at.back() - at.front();
   ParallelFor(rows.size(), [&](std::size_t r) {
-    for (std::size_t i = 0; i < rows[r].size(); ++i) Put(keyframe, rows[r][i], at[r] + i);
+    for (std::size_t i = 0; i < rows[r].size(); ++i) {
+      Put(keyframe, rows[r][i], at[r] + i);
+      if (marks != nullptr)
+        out_.at_white[at[r] + i] = marks->data[rows[r][i].pixel];
+    }
   });
 }
 

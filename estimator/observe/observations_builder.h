@@ -28,8 +28,11 @@ class ObservationsBuilder {
   ObservationsBuilder(const target::Geometry& geometry, const calib::RayGrid& rays,
                       std::size_t keyframes, std::size_t most);
 
-  // The next keyframe, and what was traced of it.
-  void Add(const model::Keyframe& keyframe, KeyframeTracer& tracer);
+  // Before the first keyframe: pixels have marks (Observations::at_white), which come with them.
+  void MarkPixels() { out_.one_sided = true; }
+  // The next keyframe, and what was traced of it; marks: of its pixels, if they have any.
+  void Add(const model::Keyframe& keyframe, KeyframeTracer& tracer,
+           const cv::Mat1b* marks = nullptr);
   // Usable pixels of what came, whether kept or not.
   std::size_t usable() const { return usable_; }
   // Once, after the last: all pixels, in white. They are still to be completed (Complete).
@@ -37,7 +40,7 @@ class ObservationsBuilder {
 
  private:
   using Rows = std::vector<std::vector<TracedPixel>>;
-  void Append(const model::Keyframe& keyframe, const Rows& rows);
+  void Append(const model::Keyframe& keyframe, const cv::Mat1b* marks, const Rows& rows);
   void Put(const model::Keyframe& keyframe, const TracedPixel& traced, std::size_t at);
   void TakeChannels(const cv::Mat& radiance);
   void Resize(std::size_t size);

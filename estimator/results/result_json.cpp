@@ -269,6 +269,7 @@ ordered_json ReflectanceToJson(const Estimate& estimate) {
   if (HasAmbientColour(estimate)) json["ambient_color"] = ToJson(reflectance.ambient_colour);
   if (HasSpecularColour(estimate)) json["specular_color"] = ToJson(reflectance.specular_colour);
   if (!reflectance.harmonics.isZero(0.0)) json["ambient_harmonics"] = ToJson(reflectance.harmonics);
+  if (!reflectance.shading.isZero(0.0)) json["diffuse_harmonics"] = ToJson(reflectance.shading);
   if (NeedsLobeList(reflectance)) json["lobes"] = LobesToJson(estimate);
   json["sigma"] = SigmaToJson(estimate, estimate.sigma);
   const uncertainty::Uncertainty& stat = estimate.stat;

@@ -205,9 +205,12 @@ std::array<Lobe, model::kMostLobes> LobesOf(StrictObject& object, SpecularModel 
 }
 
 void ReadHarmonics(StrictObject& object, Reflectance& reflectance) {
-  const auto numbers = object.OptionalNumbers("ambient_harmonics", model::kHarmonics);
-  for (std::size_t j = 0; numbers && j < numbers->size(); ++j)
-    reflectance.harmonics[static_cast<Eigen::Index>(j)] = (*numbers)[j];
+  for (const auto& [key, to] : {std::pair("ambient_harmonics", &reflectance.harmonics),
+                                {"diffuse_harmonics", &reflectance.shading}}) {
+    const auto numbers = object.OptionalNumbers(key, model::kHarmonics);
+    for (std::size_t j = 0; numbers && j < numbers->size(); ++j)
+      (*to)[static_cast<Eigen::Index>(j)] = (*numbers)[j];
+  }
 }
 
 void ReadColours(StrictObject& object, Reflectance& reflectance) {

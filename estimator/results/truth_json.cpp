@@ -69,6 +69,8 @@ std::string TruthToJson(const Scene& scene, const std::string& note) {
   if (r.ambient_colour != white) out["ambient_color"] = VectorToJson(r.ambient_colour);
   if (!r.harmonics.isZero(0.0))
     out["ambient_harmonics"] = std::vector<double>(r.harmonics.begin(), r.harmonics.end());
+  if (!r.shading.isZero(0.0))
+    out["diffuse_harmonics"] = std::vector<double>(r.shading.begin(), r.shading.end());
   if (r.specular_colour != white) out["specular_color"] = VectorToJson(r.specular_colour);
   if (r.diffuse_model != DiffuseModel::kLambert) out["diffuse_model"] = WordOf(r.diffuse_model);
   if (model::FactsOf(r.diffuse_model).has_shape) out["roughness_deg"] = RadToDeg(r.roughness);

@@ -23,6 +23,9 @@ struct EvaluateOptions {
   Shadows shadows;
   // Scale of Huber's loss on the root-mean-square residual of a pixel, in radiance; 0: squares.
   double huber = 0.0;
+  // What a departure of the diffuse part from its model costs: half of this times its square, in
+  // radiance^2.
+  double shading_price = 0.0;
   // Cost and gradient are enough: the hessian is left without meaning.
   bool gradient_only = false;
   // Free factors are to follow the other parameters as in an elimination before: for parts of the
@@ -30,7 +33,8 @@ struct EvaluateOptions {
   std::shared_ptr<const FrameFactors> factors;
 };
 
-// How many values, pixels times channels, a cost is a sum over.
+// How many values, pixels times channels, a cost is a sum over; of pixels that share what they tell,
+// how many independent ones.
 double ValueCount(const observe::Observations& observations, const EvaluateOptions& options);
 
 }  // namespace turnlight::estimator::solve

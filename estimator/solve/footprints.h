@@ -6,6 +6,7 @@
 
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
+#include "estimator/observe/trace_pixels.h"
 
 namespace turnlight::estimator::solve {
 
@@ -14,6 +15,7 @@ namespace turnlight::estimator::solve {
 // Where the centre would do, shininess is off by up to 0.5 % with 1, which for a start is good
 // enough.
 std::vector<std::uint8_t> FootprintSamples(const observe::Observations& observations,
-                                           const model::Reflectance& reflectance, int least = 1);
+                                           const model::Reflectance& reflectance, int least = 1,
+                                           double aperture = observe::kAperture);
 
 }  // namespace turnlight::estimator::solve

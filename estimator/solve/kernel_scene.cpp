@@ -82,6 +82,9 @@ void FillReflectance(const model::Reflectance& r, const model::Parameters& param
   for (int j = 0; j < kernel::kHarmonics; ++j) model.harmonic[j] = r.harmonics[j];
   model.ambient_row = row(parameters.Ambient());
   model.harmonics_row = row(parameters.Harmonic(0));
+  model.shades = parameters.Shading(0) >= 0 || !r.shading.isZero(0.0);
+  for (int j = 0; j < kernel::kHarmonics; ++j) model.shading[j] = r.shading[j];
+  model.shading_row = row(parameters.Shading(0));
   model.diffuse_row = row(parameters.Diffuse());
   model.roughness_row = row(parameters.Roughness());
   model.first_light_row = parameters.FirstLight() - parameters.channels();
@@ -146,8 +149,8 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
 }
 
 std::vector<Part> PartsOf(const model::Scene& scene, const observe::Observations& observations) {
-  const bool by_channel = (scene.free_colours || scene.coloured() || observations.one_sided) &&
-                          observations.channels > 1;
+  const bool by_channel =
+      (scene.free_colours || scene.coloured()) && observations.channels > 1;
   const bool by_keyframe = scene.free_factors || scene.flickers();
   const int keyframes = by_keyframe ? static_cast<int>(observations.tile_begin.size()) - 1 : 1;
   std::vector<Part> parts;

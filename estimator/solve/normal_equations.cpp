@@ -158,6 +158,21 @@ std::vector<NormalEquations> EvaluateParts(const observe::Observations& observat
   return out;
 }
 
+// What is known of the departures from the diffuse model beforehand: that they are small.
+void AddPrices(const model::Scene& scene, int channels, const EvaluateOptions& options,
+               NormalEquations& sum) {
+  if (!(options.shading_price > 0.0)) return;
+  const model::Parameters parameters(scene, channels);
+  for (int j = 0; j < model::kHarmonics; ++j) {
+    const int column = parameters.Shading(j);
+    const double value = scene.reflectance.shading[j];
+    sum.cost += 0.5 * options.shading_price * value * value;
+    if (column < 0) continue;
+    sum.gradient[column] += options.shading_price * value;
+    sum.hessian(column, column) += options.shading_price;
+  }
+}
+
 template <typename Real, typename Function>
 NormalEquations EvaluateWith(const observe::Observations& observations, const model::Scene& scene,
                              EvaluateOptions options, Function accumulate) {
@@ -168,6 +183,7 @@ NormalEquations EvaluateWith(const observe::Observations& observations, const mo
   NormalEquations sum;
   if (!scene.free_factors) {
     for (NormalEquations& part : parts) AddTo(sum, std::move(part));
+    AddPrices(scene, observations.channels, options, sum);
     return sum;
   }
   std::vector<NormalEquations> keyframes(observations.tile_begin.size() - 1);
@@ -178,6 +194,7 @@ NormalEquations EvaluateWith(const observe::Observations& observations, const mo
                     ? options.factors
                     : std::make_shared<const FrameFactors>(EliminateFactors(keyframes, shared));
   for (std::size_t k = 0; k < keyframes.size(); ++k) AddReduced(*sum.factors, k, keyframes[k], sum);
+  AddPrices(scene, observations.channels, options, sum);
   return sum;
 }
 

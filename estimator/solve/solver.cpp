@@ -77,6 +77,7 @@ bool Held(const model::Parameter& parameter, const model::Scene& start, int gaug
       return parameter.owner == largest(r.specular_colour);
     case kAmbient:
     case kHarmonic:
+    case kShading:
       break;
   }
   return false;

@@ -18,7 +18,7 @@ inline constexpr int kMaxSamples = 8;                   // per side of a footpri
 inline constexpr int kPerLight = 4;                     // intensity, two tangents, inverse distance
 inline constexpr int kMostLobes = 2;
 inline constexpr int kHarmonics = 8;  // of the ambient light
-inline constexpr int kMostBeforeLights = 3 + 3 * kMostLobes + kHarmonics;
+inline constexpr int kMostBeforeLights = 3 + 3 * kMostLobes + 2 * kHarmonics;
 inline constexpr int kDiffuseConstants = 4;
 
 struct KernelLight {
@@ -43,13 +43,16 @@ struct KernelModel {
   double ambient, diffuse;
   bool harmonics;  // the ambient light depends on the normal
   double harmonic[kHarmonics];
+  bool shades;  // the diffuse part departs from its model with the normal
+  double shading[kHarmonics];
   int diffuse_model;  // number in model::reflectance::DiffuseModels
   double diffuse_constants[kDiffuseConstants];
   int lobes;
   KernelLobe lobe[kMostLobes];
   // Rows of the parameters that all lights share; those of the lights follow.
   int ambient_row, diffuse_row, roughness_row, first_light_row;
-  int harmonics_row;   // of the first of them; -1 if they are not unknowns
+  // Of the first of each; -1 if they are not unknowns.
+  int harmonics_row, shading_row;
   double huber;        // 0: squares
   bool weighted;       // the pixels have weights
   int channel_bit;     // of the pixels' at_white
@@ -73,8 +76,8 @@ struct KernelPixels {
   const float* radiance[3];
   const std::uint32_t* pixel;
   const float* weight;  // of each pixel's residuals; or null for 1
-  // 1 where the radiance is at white: a model above it is no residual. One channel at a time; or
-  // null for none.
+  // Not 0 where the radiance is at white: a model above it is no residual. Bit by channel, of one
+  // channel at a time; of all together a model above it in their sum. Or null for none.
   const std::uint8_t* at_white;
   const std::uint8_t* samples;     // per tile, or null for 1
   const std::uint8_t* const* lit;  // per light, 1 or 0 for each pixel; or null for 1

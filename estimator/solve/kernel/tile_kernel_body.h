@@ -11,9 +11,11 @@ template <typename Real>
 struct Shading {
   using V = typename Lanes<Real>::V;
   V diffuse, by_roughness;
+  V plain;  // the diffuse sum as its model alone has it
   V specular[kMostLobes], by_shape[kMostLobes], by_f0[kMostLobes];
   V ambient;
-  V harmonic[kHarmonics];  // their values, if the model has them
+  V harmonic[kHarmonics];  // their values, if the model has any
+  V departure;             // what the diffuse model is multiplied by
 };
 
 // A light as a block sees it.
@@ -74,16 +76,20 @@ TURNLIGHT_INLINE void StoreLobeRows(double strength, bool add, const Block<Real>
   }
 }
 
-// The ambient light of a block.
+// The ambient light of a block, and its departure from the diffuse model.
 template <typename Real>
 TURNLIGHT_INLINE void ShadeAmbient(const KernelModel& model, const Block<Real>& block,
                                    Shading<Real>& shading) {
   using L = Lanes<Real>;
   shading.ambient = L::Splat(model.ambient);
-  if (!model.harmonics) return;
+  if (!model.harmonics && !model.shades) return;
   model::FillHarmonics<L>(block.normal.x, block.normal.y, block.normal.z, shading.harmonic);
-  for (int j = 0; j < kHarmonics; ++j)
+  for (int j = 0; model.harmonics && j < kHarmonics; ++j)
     shading.ambient += L::Splat(model.harmonic[j]) * shading.harmonic[j];
+  if (!model.shades) return;
+  shading.departure = L::Splat(1.0);
+  for (int j = 0; j < kHarmonics; ++j)
+    shading.departure += L::Splat(model.shading[j]) * shading.harmonic[j];
 }
 
 template <typename Real, bool kJacobian>
@@ -92,7 +98,7 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
   using L = Lanes<Real>;
   using V = typename L::V;
   const V zero = L::Splat(0.0);
-  Shading<Real> sum{zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, {}};
+  Shading<Real> sum{zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, {}, zero};
   ShadeAmbient(model, block, sum);
   for (int index = 0; index < model.lights; ++index) {
     const KernelLight& light = model.light[index];
@@ -105,7 +111,12 @@ TURNLIGHT_INLINE Shading<Real> ShadeBlock(const KernelModel& model, const Block<
     if (block.lit) falloff *= LoadBytes<Real>(block.lit[index] + block.at);
     const LightAt<Real> at{light, l, falloff, inverse, rho * inverse};
     const int row = model.first_light_row + kPerLight * index;
-    const DiffuseTerm<Real> diffuse = Diffuse(model, block, l, nl);
+    DiffuseTerm<Real> diffuse = Diffuse(model, block, l, nl);
+    if (model.shades) {
+      sum.plain += intensity * falloff * diffuse.value;
+      diffuse = {diffuse.value * sum.departure, diffuse.by_shape * sum.departure,
+                 diffuse.gradient * sum.departure};
+    }
     sum.diffuse += intensity * falloff * diffuse.value;
     sum.by_roughness += intensity * falloff * diffuse.by_shape;
     if constexpr (kJacobian) StoreDiffuseRows(model, block, row, at, diffuse, rows, offset);
@@ -175,6 +186,8 @@ TURNLIGHT_INLINE void StoreSharedRows(const KernelModel& model, const Shading<Re
   a[model.ambient_row] = one;
   for (int j = 0; model.harmonics && model.harmonics_row >= 0 && j < kHarmonics; ++j)
     a[model.harmonics_row + j] = shading.harmonic[j];
+  for (int j = 0; model.shades && model.shading_row >= 0 && j < kHarmonics; ++j)
+    a[model.shading_row + j] = L::Splat(model.diffuse) * shading.plain * shading.harmonic[j];
   a[model.diffuse_row] = shading.diffuse;
   a[model.roughness_row] = L::Splat(model.diffuse) * shading.by_roughness;
   for (int k = 0; k < model.lobes; ++k) {
@@ -202,7 +215,9 @@ TURNLIGHT_INLINE typename Lanes<Real>::V FinishBlock(const KernelModel& model, B
   const V white = White(model, shading);
   if (block.one_sided) {
     // At white and the model above it: nothing is wrong.
-    const V above = L::Splat(model.albedo[0]) * albedo_row + white - block.radiance[0];
+    V above = zero;
+    for (int c = 0; c < model.channels; ++c)
+      above += L::Splat(model.albedo[c]) * albedo_row + white - block.radiance[c];
     const auto satisfied = (block.at_white > zero) & (above > zero);
     block.valid = satisfied ? zero : block.valid;
     block.weight = satisfied ? zero : block.weight;

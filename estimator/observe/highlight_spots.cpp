@@ -1,0 +1,203 @@
+#include "estimator/observe/highlight_spots.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "base/angles.h"
+#include "estimator/observe/trace_pixels.h"
+
+namespace turnlight::estimator::observe {
+namespace {
+
+constexpr std::array<double, 4> kScales{1.0, 2.0, 4.0, 8.0};  // pixels
+constexpr double kSurround = 2.5;                             // scales
+constexpr int kWidest = 512;                                  // pixels of the target
+constexpr double kLeastContrast = 0.12, kLeastSigmas = 4.0;
+constexpr double kTexture = 0.015;  // of the surround
+constexpr double kFloor = 0.001;    // of the brightest
+constexpr double kOfPeak = 0.3;
+constexpr double kApartDeg = 7.0, kClusterDeg = 8.0;
+constexpr double kLeastInside = 0.2;  // of a mean's weight
+
+// A picture of the target alone, reduced so that it is at most kWidest wide.
+struct Reduced {
+  cv::Mat1f value, inside;  // mean over the pixels inside; their share
+  cv::Point corner;         // of the picture
+  int by = 1;
+};
+
+Reduced Reduce(const cv::Mat1f& grey, const cv::Mat1b& inside) {
+  Reduced out;
+  const cv::Rect box = cv::boundingRect(inside);
+  if (box.empty()) return out;
+  out.corner = box.tl();
+  out.by = std::max((std::max(box.width, box.height) + kWidest - 1) / kWidest, 1);
+  cv::Mat1f share;
+  inside(box).convertTo(share, CV_32F, 1.0 / 255.0);
+  cv::Mat1f sum = grey(box).mul(share);
+  if (out.by > 1) {
+    const cv::Size size((box.width + out.by - 1) / out.by, (box.height + out.by - 1) / out.by);
+    for (cv::Mat1f* of : {&sum, &share}) {
+      cv::Mat1f whole;
+      cv::copyMakeBorder(*of, whole, 0, size.height * out.by - box.height, 0,
+                         size.width * out.by - box.width, cv::BORDER_CONSTANT, cv::Scalar(0.0));
+      cv::resize(whole, *of, size, 0.0, 0.0, cv::INTER_AREA);
+    }
+  }
+  out.inside = share;
+  out.value = sum / cv::max(share, 1e-6f);
+  return out;
+}
+
+cv::Mat1f Blurred(const cv::Mat1f& of, double sigma) {
+  cv::Mat1f out;
+  cv::GaussianBlur(of, out, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
+  return out;
+}
+
+// Gaussian means over what is inside.
+struct Mean {
+  cv::Mat1f value, weight;
+
+  Mean(const Reduced& picture, double sigma)
+      : value(Blurred(picture.value.mul(picture.inside), sigma)),
+        weight(Blurred(picture.inside, sigma)) {
+    value /= cv::max(weight, 1e-6f);
+  }
+};
+
+struct Peak {
+  cv::Point at;
+  double scale, surround, contrast, sigmas;
+};
+
+// Where a scale's difference of Gaussians is largest among its neighbours and clear.
+void AddPeaks(const Reduced& picture, double scale, double brightest, std::vector<Peak>& peaks) {
+  const Mean centre(picture, scale), around(picture, kSurround * scale);
+  const cv::Mat1f difference = centre.value - around.value;
+  for (int y = 1; y + 1 < difference.rows; ++y)
+    for (int x = 1; x + 1 < difference.cols; ++x) {
+      if (picture.inside(y, x) < 0.5f || around.weight(y, x) < static_cast<float>(kLeastInside))
+        continue;
+      const double value = difference(y, x);
+      const double surround = std::max(static_cast<double>(around.value(y, x)), 0.0);
+      const double sigma = std::hypot(kFloor * brightest, kTexture * surround);
+      if (!(value > kLeastContrast * surround) || !(value > kLeastSigmas * sigma)) continue;
+      bool largest = true;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx)
+          largest &= picture.inside(y + dy, x + dx) < 0.5f || difference(y + dy, x + dx) <= value;
+      if (largest)
+        peaks.push_back({{x, y},
+                         scale,
+                         surround,
+                         value / std::max(surround, kFloor * brightest),
+                         value / sigma});
+    }
+}
+
+// The mean mirrored view of what is bright and together around the peak; zero if that meets
+// nothing.
+Eigen::Vector3d CentroidOf(const Reduced& picture, const Peak& peak, const PixelTracer& tracer) {
+  const int reach = static_cast<int>(std::ceil(3.0 * peak.scale)) + 2;
+  double top = 0.0;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if (picture.inside(peak.at.y + dy, peak.at.x + dx) >= 0.5f)
+        top = std::max(top, static_cast<double>(picture.value(peak.at.y + dy, peak.at.x + dx)));
+  const double least = peak.surround + kOfPeak * (top - peak.surround);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::vector<cv::Point> waiting{peak.at};
+  cv::Mat1b seen(2 * reach + 1, 2 * reach + 1, std::uint8_t{0});
+  seen(reach, reach) = 1;
+  while (!waiting.empty()) {
+    const cv::Point p = waiting.back();
+    waiting.pop_back();
+    const auto pixel = tracer.Trace(picture.corner.x + p.x * picture.by + picture.by / 2,
+                                    picture.corner.y + p.y * picture.by + picture.by / 2);
+    if (pixel) sum += (static_cast<double>(picture.value(p)) - peak.surround) * pixel->mirrored;
+    for (const cv::Point step : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      const cv::Point q = p + step, local = q - peak.at + cv::Point(reach, reach);
+      if (!cv::Rect({0, 0}, seen.size()).contains(local) || seen(local) != 0) continue;
+      if (!cv::Rect({0, 0}, picture.value.size()).contains(q)) continue;
+      seen(local) = 1;
+      if (picture.inside(q) >= 0.5f && static_cast<double>(picture.value(q)) > least)
+        waiting.push_back(q);
+    }
+  }
+  return sum.norm() > 0.0 ? Eigen::Vector3d(sum.normalized()) : sum;
+}
+
+}  // namespace
+
+cv::Mat1f GreyOf(const cv::Mat& radiance) {
+  cv::Mat1f grey;
+  if (radiance.channels() == 1)
+    grey = radiance.clone();
+  else
+    cv::transform(radiance, grey, cv::Matx13f(1.0f / 3.0f, 1.0f / 3.0f, 1.0f / 3.0f));
+  for (float& value : grey)
+    if (!std::isfinite(value)) value = 0.0f;
+  return grey;
+}
+
+std::vector<Spot> FindSpots(const model::Keyframe& keyframe, std::size_t index,
+                            const cv::Mat1b& inside, const target::Geometry& geometry,
+                            const calib::RayGrid& rays) {
+  const Reduced picture = Reduce(GreyOf(keyframe.image.radiance), inside);
+  std::vector<Spot> out;
+  if (picture.value.empty()) return out;
+  double brightest = 0.0;
+  cv::minMaxLoc(Mean(picture, kScales[0]).value, nullptr, &brightest, nullptr, nullptr,
+                picture.inside > 0.5);
+  std::vector<Peak> peaks;
+  for (const double scale : kScales) AddPeaks(picture, scale, brightest, peaks);
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const Peak& a, const Peak& b) { return a.sigmas > b.sigmas; });
+  const PixelTracer tracer({keyframe.X_WC, keyframe.X_WT}, geometry, rays);
+  const double cosine = std::cos(DegToRad(kApartDeg));
+  for (const Peak& peak : peaks) {
+    const Eigen::Vector3d direction = CentroidOf(picture, peak, tracer);
+    if (direction.isZero(0.0)) continue;
+    const auto close = [&](const Spot& spot) { return spot.direction.dot(direction) > cosine; };
+    if (std::none_of(out.begin(), out.end(), close))
+      out.push_back({index, direction, peak.contrast, peak.sigmas});
+  }
+  return out;
+}
+
+std::vector<SpotCluster> ClusterSpots(const std::vector<Spot>& spots) {
+  std::vector<Spot> order = spots;
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Spot& a, const Spot& b) { return a.sigmas > b.sigmas; });
+  const double cosine = std::cos(DegToRad(kClusterDeg));
+  struct Sum {
+    Eigen::Vector3d first, sum;
+    double squares;
+    std::size_t views;
+  };
+  std::vector<Sum> sums;
+  for (const Spot& spot : order) {
+    const auto own = std::find_if(sums.begin(), sums.end(), [&](const Sum& sum) {
+      return sum.first.dot(spot.direction) > cosine;
+    });
+    if (own == sums.end()) {
+      sums.push_back({spot.direction, spot.sigmas * spot.direction, spot.sigmas * spot.sigmas, 1});
+      continue;
+    }
+    own->sum += spot.sigmas * spot.direction;
+    own->squares += spot.sigmas * spot.sigmas;
+    ++own->views;
+  }
+  std::vector<SpotCluster> out;
+  for (const Sum& sum : sums) out.push_back({sum.sum.normalized(), std::sqrt(sum.squares), sum.views});
+  std::stable_sort(out.begin(), out.end(), [](const SpotCluster& a, const SpotCluster& b) {
+    return a.sigmas > b.sigmas;
+  });
+  return out;
+}
+
+}  // namespace turnlight::estimator::observe

@@ -1,0 +1,344 @@
+#include "estimator/start/photograph_lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/angles.h"
+#include "base/format.h"
+#include "estimator/observe/radiance_statistics.h"
+#include "estimator/solve/prediction.h"
+#include "estimator/solve/settled_solve.h"
+#include "estimator/start/start_scene.h"
+
+namespace turnlight::estimator::start {
+namespace {
+
+using observe::Observations;
+using observe::Photograph;
+
+constexpr double kBlur = 2.6;        // pixels: of a demosaiced pixel and its lens, as a box
+constexpr double kDepartures = 0.1;  // their size that is expected
+constexpr double kSharpAlpha = 0.03, kBroadAlpha = 0.2;
+constexpr double kSharpPeak = 0.5, kBroadPeak = 0.05;  // of the diffuse part, at the start
+constexpr int kHeldIterations = 6, kIterations = 40, kFewIterations = 8;
+constexpr double kTolerance = 1e-6, kToCompare = 1e-4;
+constexpr double kMergeDeg = 5.0, kApartDeg = 6.0;
+constexpr std::size_t kWeakest = 4, kHottest = 60, kMostTried = 3, kMostStarts = 24;
+constexpr int kRounds = 3;
+// The price of a light: independent pixels times the logarithm of what the misfit grows by without
+// it, of all pixels and of those around its own highlight.
+constexpr double kPrice = 300.0, kOwnPrice = 90.0;
+constexpr double kSurfaceRatio = 1.25;  // of the misfit: what another surface must lower it by
+
+struct Fit {
+  model::Scene scene;
+  solve::Shadows shadows;
+  std::vector<std::uint8_t> samples;
+  double cost = 0.0;
+};
+
+struct Search {
+  const Photograph& photograph;
+  const StopFlag* stop;
+
+  const Observations& pixels() const { return photograph.pixels; }
+  double independent() const { return pixels().independent; }
+  double Misfit(const Fit& fit) const {
+    return 2.0 * fit.cost /
+           (observe::kWeighedSigma * observe::kWeighedSigma * pixels().channels * independent());
+  }
+
+  Fit Refit(const Fit& start, int iterations, double tolerance, bool free_directions = true) const {
+    solve::SolveOptions options = PhotographSolveOptions(start.scene.lights.size());
+    options.gauge = solve::Gauge::kDiffuse;
+    options.max_iterations = iterations;
+    options.function_tolerance = tolerance;
+    options.free_directions = free_directions;
+    options.stop = stop;
+    solve::Solution solution =
+        solve::SolveSettled(pixels(), start.scene, options, 1, start.shadows);
+    return {std::move(solution.scene), std::move(solution.evaluate.shadows),
+            std::move(solution.evaluate.samples_per_side), solution.equations.cost};
+  }
+};
+
+// Each pixel's part of twice the misfit's sum.
+std::vector<double> Squares(const Search& search, const Fit& fit) {
+  const Observations& all = search.pixels();
+  solve::EvaluateOptions options = PhotographSolveOptions(0).evaluate;
+  options.samples_per_side = fit.samples;
+  options.shadows = fit.shadows;
+  const solve::Prediction model = solve::Predict(all, fit.scene, options);
+  std::vector<double> out(all.size(), 0.0);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all.pixel[i] == Observations::kNoPixel) continue;
+    double square = 0.0, sum = 0.0;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(all.channels); ++c) {
+      const double residual =
+          static_cast<double>(model[c][i]) - static_cast<double>(all.radiance[c][i]);
+      sum += residual;
+      square += residual * residual;
+    }
+    if ((all.at_white[i] & 1) != 0 && sum > 0.0) continue;
+    out[i] = std::pow(all.WeightOf(i) / observe::kWeighedSigma, 2) * square / all.channels;
+  }
+  return out;
+}
+
+double PixelTurn(const Observations& all) {
+  double most = 0.0;
+  for (const float turn : all.tile_footprint) most = std::max(most, static_cast<double>(turn));
+  return 0.5 * most;
+}
+
+Eigen::Vector3d MirroredAt(const Observations& all, std::size_t i) {
+  return {static_cast<double>(all.mirrored[0][i]), static_cast<double>(all.mirrored[1][i]),
+          static_cast<double>(all.mirrored[2][i])};
+}
+
+// What a light is worth: see kPrice.
+struct Worth {
+  double all = 0.0, own = 0.0;
+
+  bool Enough() const { return all > kPrice || own > kOwnPrice; }
+};
+
+Worth WorthOf(const Search& search, const model::Light& light, const Fit& with,
+              const Fit& without) {
+  const Observations& pixels = search.pixels();
+  const double turn = PixelTurn(pixels);
+  const double width = model::MirroredHalfWidth(with.scene.reflectance.lobes[0]);
+  const double cosine = std::cos(2.5 * std::max(width, 1.2 * turn) + 2.0 * turn);
+  const std::vector<double> a = Squares(search, with), b = Squares(search, without);
+  double sum_a = 0.0, sum_b = 0.0, own_a = 0.0, own_b = 0.0, own = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum_a += a[i];
+    sum_b += b[i];
+    if (pixels.pixel[i] == Observations::kNoPixel ||
+        (pixels.at_white[i] & observe::kInHighlight) == 0 ||
+        MirroredAt(pixels, i).dot(light.direction) < cosine)
+      continue;
+    own += 1.0;
+    own_a += a[i];
+    own_b += b[i];
+  }
+  Worth out;
+  out.all = search.independent() * std::log(std::max(sum_b, 1e-300) / std::max(sum_a, 1e-300));
+  if (own > 0.0) out.own = own * std::log(std::max(own_b, 1e-300) / std::max(own_a, 1e-300));
+  return out;
+}
+
+Fit WithoutLight(const Search& search, const Fit& full, std::size_t light) {
+  Fit start = full;
+  start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(light));
+  return search.Refit(start, kFewIterations, kToCompare);
+}
+
+// Lights that stand together are one.
+bool MergeOnce(model::Scene& scene) {
+  const double cosine = std::cos(DegToRad(kMergeDeg));
+  auto& lights = scene.lights;
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    for (std::size_t j = i + 1; j < lights.size(); ++j) {
+      if (lights[i].direction.dot(lights[j].direction) < cosine) continue;
+      const double sum = lights[i].intensity + lights[j].intensity;
+      if (sum > 0.0)
+        lights[i].direction = (lights[i].intensity * lights[i].direction +
+                               lights[j].intensity * lights[j].direction)
+                                  .normalized();
+      lights[i].intensity = sum;
+      lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(j));
+      return true;
+    }
+  return false;
+}
+
+std::string Told(const model::Light& light, const Worth& worth) {
+  return Format("the light from (%+.2f, %+.2f, %+.2f) is worth %.0f in all and %.0f in its own "
+                "highlight; it counts from %.0f or %.0f",
+                light.direction.x(), light.direction.y(), light.direction.z(), worth.all,
+                worth.own, kPrice, kOwnPrice);
+}
+
+// Takes out what is not worth its price, or down to so many.
+Fit Prune(const Search& search, Fit fit, std::optional<int> wanted,
+          std::vector<model::Rung>& ladder) {
+  while (!StopRequested(search.stop)) {
+    if (MergeOnce(fit.scene)) {
+      fit = search.Refit(fit, kIterations, kToCompare);
+      continue;
+    }
+    const auto& lights = fit.scene.lights;
+    if (wanted && lights.size() <= static_cast<std::size_t>(*wanted)) break;
+    if (lights.size() <= 1 && !wanted) break;
+    std::vector<std::size_t> order(lights.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return model::Strength(lights[a]) < model::Strength(lights[b]);
+    });
+    order.resize(std::min(order.size(), kWeakest));
+    struct Tried {
+      std::size_t light;
+      Worth worth;
+      Fit without;
+    };
+    std::vector<Tried> tried;
+    for (const std::size_t light : order) {
+      Fit without = WithoutLight(search, fit, light);
+      const Worth worth = WorthOf(search, lights[light], fit, without);
+      tried.push_back({light, worth, std::move(without)});
+    }
+    std::stable_sort(tried.begin(), tried.end(),
+                     [](const Tried& a, const Tried& b) { return a.worth.all < b.worth.all; });
+    const auto dropped = std::find_if(tried.begin(), tried.end(), [&](const Tried& one) {
+      return wanted || !one.worth.Enough();
+    });
+    if (dropped == tried.end()) break;
+    ladder.push_back({"highlight light", false, Told(lights[dropped->light], dropped->worth)});
+    fit = search.Refit(dropped->without, kIterations, kTolerance);
+  }
+  return fit;
+}
+
+// Directions of the brightest residuals, apart from each other and from the lights.
+std::vector<Eigen::Vector3d> HotDirections(const Search& search, const Fit& fit) {
+  const Observations& all = search.pixels();
+  const std::vector<double> squares = Squares(search, fit);
+  solve::EvaluateOptions options = PhotographSolveOptions(0).evaluate;
+  options.samples_per_side = fit.samples;
+  options.shadows = fit.shadows;
+  const solve::Prediction model = solve::Predict(all, fit.scene, options);
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (squares[i] > 0.0 && (all.at_white[i] & observe::kInHighlight) != 0 &&
+        all.radiance[0][i] > model[0][i])
+      order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return squares[a] > squares[b]; });
+  order.resize(std::min(order.size(), kHottest));
+  const double cosine = std::cos(DegToRad(kApartDeg));
+  std::vector<Eigen::Vector3d> out;
+  for (const std::size_t i : order) {
+    const Eigen::Vector3d direction = MirroredAt(all, i).normalized();
+    const auto close = [&](const Eigen::Vector3d& d) { return d.dot(direction) > cosine; };
+    const bool known = std::any_of(fit.scene.lights.begin(), fit.scene.lights.end(),
+                                   [&](const model::Light& l) { return close(l.direction); });
+    if (known || std::any_of(out.begin(), out.end(), close)) continue;
+    out.push_back(direction);
+    if (out.size() == kMostTried) break;
+  }
+  return out;
+}
+
+// Adds what is worth its price, or up to so many.
+Fit Add(const Search& search, Fit fit, std::optional<int> wanted,
+        std::vector<model::Rung>& ladder) {
+  for (int round = 0; (wanted || round < kRounds) && !StopRequested(search.stop); ++round) {
+    if (wanted && fit.scene.lights.size() >= static_cast<std::size_t>(*wanted)) break;
+    std::optional<Fit> best;
+    Worth most;
+    for (const Eigen::Vector3d& direction : HotDirections(search, fit)) {
+      Fit start = fit;
+      model::Light light;
+      light.direction = direction;
+      double strongest = 0.0;
+      for (const model::Light& l : fit.scene.lights) strongest = std::max(strongest, l.intensity);
+      light.intensity = 0.2 * strongest;
+      start.scene.lights.push_back(light);
+      Fit with = search.Refit(search.Refit(start, kHeldIterations, kToCompare, false),
+                              kFewIterations, kToCompare);
+      const Worth worth = WorthOf(search, with.scene.lights.back(), with, fit);
+      if (!best || worth.all > most.all) {
+        most = worth;
+        best = std::move(with);
+      }
+    }
+    if (!best || (!wanted && !most.Enough())) break;
+    ladder.push_back({"highlight light", true, Told(best->scene.lights.back(), most)});
+    fit = search.Refit(*best, kIterations, kTolerance);
+  }
+  return fit;
+}
+
+model::Scene FirstScene(const Photograph& photograph, const model::ModelChoice& choice) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const observe::SpotCluster& spot : photograph.spots)
+    if (directions.size() < kMostStarts) directions.push_back(spot.direction);
+  model::Scene scene = StartFromDirections(photograph.pixels, directions);
+  for (model::Light& light : scene.lights) light.inverse_distance = 0.0;
+  scene.free_shading = true;
+  model::Reflectance& r = scene.reflectance;
+  r.diffuse_model = choice.diffuse.value_or(model::DiffuseModel::kCoated);
+  if (r.diffuse_model == model::DiffuseModel::kOrenNayar) r.roughness = 0.3;
+  const auto lobe = [&](double alpha, double peak) {
+    model::Lobe ggx{model::SpecularModel::kGgx, 1.0, alpha, 1.0};
+    ggx.strength = peak / model::LobePeak(ggx);
+    return model::Converted(ggx, choice.specular.value_or(model::SpecularModel::kGgx));
+  };
+  r.lobes[0] = lobe(kSharpAlpha, kSharpPeak);
+  if (choice.lobes != 1 && r.lobes[0].present()) r.lobes[1] = lobe(kBroadAlpha, kBroadPeak);
+  return scene;
+}
+
+// Of the surfaces that can be meant, that which leaves the least; the coat unless another leaves
+// clearly less.
+Fit ChooseSurface(const Search& search, const Fit& coated, std::vector<model::Rung>& ladder) {
+  Fit rough = coated;
+  rough.scene.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
+  rough.scene.reflectance.roughness = 0.3;
+  rough = search.Refit(rough, kIterations, kTolerance);
+  const bool taken = search.Misfit(rough) * kSurfaceRatio < search.Misfit(coated);
+  ladder.push_back(
+      {"coated", !taken,
+       Format("a diffuse part under a coat leaves %.3g of the misfit that is expected, Oren and "
+              "Nayar's %.3g, which counts from a ratio of %.2f",
+              search.Misfit(coated), search.Misfit(rough), kSurfaceRatio)});
+  return taken ? rough : coated;
+}
+
+}  // namespace
+
+solve::SolveOptions PhotographSolveOptions(std::size_t lights) {
+  solve::SolveOptions options;
+  options.fixed_distance.assign(lights, true);
+  options.function_tolerance = kTolerance;
+  options.evaluate.aperture = kBlur;
+  options.evaluate.shading_price = std::pow(observe::kWeighedSigma / kDepartures, 2);
+  return options;
+}
+
+double MisfitOf(const Observations& pixels, const solve::Solution& solution) {
+  return 2.0 * solution.equations.cost /
+         (observe::kWeighedSigma * observe::kWeighedSigma *
+          solve::ValueCount(pixels, solution.evaluate));
+}
+
+PhotographLights FindPhotographLights(const Photograph& photograph,
+                                      const model::ModelChoice& choice, const StopFlag* stop) {
+  const Search search{photograph, stop};
+  PhotographLights out;
+  Fit fit;
+  fit.scene = FirstScene(photograph, choice);
+  std::string spots;
+  for (const observe::SpotCluster& spot : photograph.spots)
+    spots += Format("%s(%+.2f, %+.2f, %+.2f)", spots.empty() ? "" : ", ", spot.direction.x(),
+                    spot.direction.y(), spot.direction.z());
+  out.ladder.push_back({"highlights", true,
+                        Format("%zu compact bright spots, where lights from %s would show",
+                               photograph.spots.size(), spots.c_str())});
+  fit = search.Refit(fit, kHeldIterations, kToCompare, false);
+  fit = search.Refit(fit, kIterations, kTolerance);
+  fit = Prune(search, std::move(fit), choice.lights, out.ladder);
+  fit = Add(search, std::move(fit), choice.lights, out.ladder);
+  fit = Prune(search, std::move(fit), choice.lights, out.ladder);
+  if (!choice.diffuse) fit = ChooseSurface(search, fit, out.ladder);
+  out.misfit = search.Misfit(fit);
+  out.scene = std::move(fit.scene);
+  out.shadows = std::move(fit.shadows);
+  return out;
+}
+
+}  // namespace turnlight::estimator::start

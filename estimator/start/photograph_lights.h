@@ -1,0 +1,39 @@
+// The lights of a photograph: from its highlights, on a surface that may depart from every model.
+//
+// Light l adds I_l [D (1 + sum_j d_j Y_j(n)) + a sharp and a broad lobe], the departures d and the
+// lobes being those of all lights: a light that is not there would have to show a highlight of its
+// own. A light is kept if taking it out costs more than its price, over all independent pixels or
+// where its own highlight is.
+#pragma once
+
+#include <vector>
+
+#include "base/stop_flag.h"
+#include "estimator/model/model_choice.h"
+#include "estimator/model/rung.h"
+#include "estimator/model/scene.h"
+#include "estimator/observe/photograph.h"
+#include "estimator/solve/solver.h"
+
+namespace turnlight::estimator::start {
+
+struct PhotographLights {
+  model::Scene scene;        // in the coordinates of the photograph's pixels
+  solve::Shadows shadows;    // that it was fitted with
+  double misfit = 0.0;       // mean square of the residuals, in expected sigmas
+  std::vector<model::Rung> ladder;
+};
+
+// How photographs are solved: lights are distant, pixels blurred as a demosaiced camera's are, and
+// the diffuse part's departures held to 10 % or so.
+solve::SolveOptions PhotographSolveOptions(std::size_t lights);
+
+// Mean square of a solution's residuals, in the sigmas that the pixels were given.
+double MisfitOf(const observe::Observations& pixels, const solve::Solution& solution);
+
+// There must be spots. With stop set it ends soon, with what is of no use.
+PhotographLights FindPhotographLights(const observe::Photograph& photograph,
+                                      const model::ModelChoice& choice,
+                                      const StopFlag* stop = nullptr);
+
+}  // namespace turnlight::estimator::start
