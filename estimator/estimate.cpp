@@ -17,6 +17,7 @@
 #include "estimator/residual_maps.h"
 #include "estimator/select/ambient_rung.h"
 #include "estimator/select/intensity_rung.h"
+#include "estimator/select/photograph_refine.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_start.h"
 #include "estimator/start/sample.h"
@@ -54,9 +55,11 @@ Status CheckLights(const Estimate& estimate, const Levels& levels, const Evidenc
 }
 
 start::Start StartOf(const observe::Observations& all, double noise,
-                     const observe::IntensityMap& map, const EstimateOptions& options) {
+                     const observe::IntensityMap& map, const EstimateOptions& options,
+                     const start::Beyond& beyond) {
   if (options.warm_start) return {solve::ToSolver(*options.warm_start, all), {}, {}};
-  return start::FindStart(all, noise, map, options.initial, options.model, options.watch.stop);
+  return start::FindStart(all, noise, map, options.initial, options.model, options.watch.stop,
+                          beyond);
 }
 
 void Tell(const Watch& watch, Part part) {
@@ -79,20 +82,39 @@ struct Found {
   std::vector<model::Rung> ladder;
   std::vector<IterationRecord> history;
   double start_s = 0.0;
+  Result<std::optional<Photographed>> photograph = std::optional<Photographed>();
+
+  bool of_photograph() const { return photograph && photograph->has_value(); }
 };
 
+// photograph (optional): what the pictures are beyond the usual models; where they are that it is
+// what is found, and there is nothing else.
 Found Search(const observe::Observations& all, double noise, const observe::IntensityMap& map,
-             const EstimateOptions& options, double views_per_distinct) {
+             const EstimateOptions& options, double views_per_distinct,
+             const PhotographAsked& photograph = {}) {
   const Stopwatch stopwatch;
   Found out;
-  start::Start start = StartOf(all, noise, map, options);
+  start::Beyond beyond;
+  if (photograph)
+    beyond = [&](const start::Sample& sample) {
+      out.photograph = photograph(sample);
+      return !out.photograph || out.photograph->has_value();
+    };
+  start::Start start = StartOf(all, noise, map, options, beyond);
   out.start_s = stopwatch.Seconds();
   Tell(options.watch, Part::kRefine);
   out.ladder = std::move(start.ladder);
   for (const double rms : start.rms_history)
     out.history.push_back({static_cast<int>(out.history.size()), all.radiance_unit * rms});
   out.start = std::move(start.scene);
-  if (StopRequested(options.watch.stop)) return out;
+  if (StopRequested(options.watch.stop) || !out.photograph) return out;
+  if (std::optional<Photographed>& found = *out.photograph) {
+    out.ladder = found->lights.ladder;
+    out.refined =
+        select::RefinePhotograph(found->look.pixels, found->lights.scene, views_per_distinct,
+                                 options.model, out.ladder, options.watch.stop);
+    return out;
+  }
   out.refined = select::Refine(all, out.start, noise, views_per_distinct, options.model, out.ladder,
                                options.watch.stop);
   return out;
@@ -142,11 +164,16 @@ void SearchAgain(const observe::Observations& all, double noise, const observe::
   found.ladder.push_back(std::move(rung));
 }
 
+// photograph: its lights, if the pictures were estimated as that.
 void TakeNotes(const observe::Observations& all, const Levels& levels,
-               const model::ModelChoice& choice, Estimate& out) {
+               const model::ModelChoice& choice, const start::PhotographLights* photograph,
+               Estimate& out) {
   AddNotes(out);
   if (out.channels == 1 && choice.coloured.value_or(false)) AddNote("grey/colours", {}, out);
-  AddCountNote(levels.noise, levels.brightest, out);
+  if (photograph)
+    AddPhotographNotes(*photograph, out);
+  else
+    AddCountNote(levels.noise, levels.brightest, out);
   if (all.radiance_unit != 1.0)
     AddNote("exposure", {{"level", Format("%.2g", all.radiance_unit)}}, out);
 }
@@ -168,7 +195,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, observe::IntensityMap* map,
                                       select::Refined* refined, const CalibrationAsked& calibration,
-                                      const Evidence& evidence) {
+                                      const Evidence& evidence, const PhotographAsked& photograph) {
   const Stopwatch stopwatch;
   if (const Status status = observe::CheckUsable(all); !status) return Forward(status);
   if (StopRequested(options.watch.stop)) return InterruptedError();
@@ -181,27 +208,35 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   const double views_per_distinct = CountViews(all, signatures, noise, estimate);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   const double before = stopwatch.Seconds();
-  Found found = Search(all, noise, used_map, options, views_per_distinct);
-  if (!StopRequested(options.watch.stop))
+  Found found = Search(all, noise, used_map, options, views_per_distinct, photograph);
+  if (!found.photograph) return Forward(found.photograph);
+  if (!StopRequested(options.watch.stop) && !found.of_photograph())
     SearchAgain(all, noise, used_map, options, views_per_distinct, found);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   estimate.ladder = std::move(found.ladder);
   estimate.history = std::move(found.history);
   select::Refined& result = found.refined;
+  const observe::Observations& fitted =
+      found.of_photograph() ? (*found.photograph)->look.pixels : all;
   std::optional<uncertainty::CalibrationResponse> response;
   if (calibration) {
     Tell(options.watch, Part::kBudget);
-    auto answered = calibration(all, result.solution);
+    auto answered = calibration(fitted, result.solution);
     if (!answered) return Forward(answered);
     response = std::move(*answered);
   }
-  FillFromFit(all, result, estimate, response ? &*response : nullptr);
+  FillFromFit(fitted, result, estimate, response ? &*response : nullptr);
+  if (found.of_photograph()) {
+    result = OnOtherPixels(result, fitted, all);
+    FillResidual(all, result, estimate);
+  }
   const Levels levels{all.radiance_unit * noise,
                       all.radiance_unit * observe::BrightestRadiance(all)};
   if (const Status status = CheckLights(estimate, levels, evidence); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
-  TakeNotes(all, levels, options.model, estimate);
+  TakeNotes(all, levels, options.model,
+            found.of_photograph() ? &(*found.photograph)->lights : nullptr, estimate);
   estimate.initial_s = before + found.start_s;
   estimate.solve_s = stopwatch.Seconds() - estimate.initial_s;
   if (refined) *refined = std::move(result);
@@ -226,12 +261,17 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
       return RespondToCalibration({keyframes.size(), geometry, rays}, all, solution,
                                   *options.calibration, options.watch.stop);
     };
+  PhotographAsked photograph;
+  if (!options.initial && !options.warm_start)
+    photograph = [&](const start::Sample& sample) {
+      return LookAtPhotographs(keyframes, geometry, rays, sample);
+    };
   const std::vector<calib::RigPoses>& poses = keyframes.poses;
   Evidence evidence{observed->counts};
   evidence.copies =
       static_cast<int>(FindCopies(observed->pixels, observed->signatures, poses).size());
   auto estimate = EstimateObservations(observed->pixels, observed->signatures, options, &out.map,
-                                       &refined, calibration, evidence);
+                                       &refined, calibration, evidence, photograph);
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;

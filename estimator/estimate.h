@@ -23,6 +23,7 @@
 #include "estimator/observe/observations.h"
 #include "estimator/observe/observed_scene.h"
 #include "estimator/observe/usable.h"
+#include "estimator/photograph_estimate.h"
 #include "estimator/select/model_selection.h"
 #include "estimator/solve/solver.h"
 #include "estimator/target/geometry.h"
@@ -172,15 +173,15 @@ using CalibrationAsked = std::function<Result<std::optional<uncertainty::Calibra
 // The estimate itself, from observations and the views' signatures (see views.h; in white). On the
 // way out, map and refined (both optional) receive what pictures and residual maps are made of;
 // refined is in the observations' coordinates and radiance unit. calibration
-// (optional) is asked once, at the solution. Fails with kNoEstimate when nothing usable was
-// observed, with kInterrupted when options.watch.stop was set, and as `calibration` does.
-Result<Estimate> EstimateObservations(const observe::Observations& all,
-                                      const std::vector<cv::Mat>& signatures,
-                                      const EstimateOptions& options,
-                                      observe::IntensityMap* map = nullptr,
-                                      select::Refined* refined = nullptr,
-                                      const CalibrationAsked& calibration = {},
-                                      const Evidence& evidence = {});
+// (optional) is asked once, at the solution; photograph (optional) where the first fit leaves more
+// than noise: what it says the pictures are is then estimated instead. Fails with kNoEstimate when
+// nothing usable was observed, with kInterrupted when options.watch.stop was set, and as
+// `calibration` does.
+Result<Estimate> EstimateObservations(
+    const observe::Observations& all, const std::vector<cv::Mat>& signatures,
+    const EstimateOptions& options, observe::IntensityMap* map = nullptr,
+    select::Refined* refined = nullptr, const CalibrationAsked& calibration = {},
+    const Evidence& evidence = {}, const PhotographAsked& photograph = {});
 
 // Reads each keyframe once, a few at a time. Fails as the source does; with kNoEstimate, in words
 // that say what to do, when nothing usable was observed: everything clipped, everything dark,

@@ -1,6 +1,7 @@
 #include "estimator/notes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <variant>
 
@@ -57,6 +58,16 @@ void AddCountNote(double noise, double brightest, Estimate& out) {
     AddNote("count-uncertain/unexplained",
             {{"rms", Format("%.3g", out.rms)},
              {"times", Format("%.1f", out.rms / std::max(noise, 1e-12))}},
+            out);
+}
+
+void AddPhotographNotes(const start::PhotographLights& lights, Estimate& out) {
+  constexpr double kHardlyKept = 1.3, kNearlyKept = 0.7;
+  AddNote("photograph", {{"misfit", Format("%.2g", std::sqrt(lights.misfit))}}, out);
+  if (lights.least_kept < kHardlyKept || lights.most_dropped > kNearlyKept)
+    AddNote("count-uncertain/highlights",
+            {{"kept", std::isfinite(lights.least_kept) ? Format("%.2g", lights.least_kept) : "-"},
+             {"dropped", Format("%.2g", lights.most_dropped)}},
             out);
 }
 

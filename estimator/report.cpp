@@ -124,6 +124,15 @@ double RmsOf(const observe::Observations& all, double values, double cost) {
 
 }  // namespace
 
+void FillResidual(const observe::Observations& all, const select::Refined& refined, Estimate& out) {
+  solve::EvaluateOptions squares = refined.options.evaluate;
+  squares.huber = 0.0;
+  squares.shading_price = 0.0;
+  squares.gradient_only = true;
+  out.rms = RmsOf(all, solve::ValueCount(all, squares),
+                  solve::Evaluate(all, refined.solution.scene, squares).cost);
+}
+
 void FillFromFit(const observe::Observations& all, const select::Refined& refined, Estimate& out,
                  const uncertainty::CalibrationResponse* calibration) {
   const solve::Solution& solution = refined.solution;
@@ -159,12 +168,9 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
           refined.specular_sigma_stat * out.lights[i].light.intensity;
   }
   FillBudgetOfHeld(refined, order, out);
-  solve::EvaluateOptions squares = refined.options.evaluate;
-  squares.huber = 0.0;
-  squares.gradient_only = true;
-  const double values = solve::ValueCount(all, squares);
-  out.rms = RmsOf(all, values, solve::Evaluate(all, solution.scene, squares).cost);
-  out.pixels = all.used - squares.shadows.left_out;
+  FillResidual(all, refined, out);
+  const double values = solve::ValueCount(all, refined.options.evaluate);
+  out.pixels = all.used - refined.options.evaluate.shadows.left_out;
   out.iterations = refined.iterations;
   out.stopped = solution.stopped;
   for (const double cost : refined.cost_history)

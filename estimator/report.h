@@ -7,6 +7,9 @@
 
 namespace turnlight::estimator {
 
+// The root mean square of what a fit leaves.
+void FillResidual(const observe::Observations& all, const select::Refined& refined, Estimate& out);
+
 // Lights, reflectance, products, their sigmas and the residual; the decisions, notes, views and
 // times are the caller's. calibration may be null.
 void FillFromFit(const observe::Observations& observations, const select::Refined& refined,

@@ -185,6 +185,18 @@ const std::vector<Row> kModel = {
      "The model leaves {rms} rms of the pictures unexplained, {times} times their noise:",
      "a light, a shadow or a property of the surface may be missing, and the number of lights is "
      "uncertain."},
+    {"count-uncertain/highlights", kNote,
+     "of a photograph: a light that was kept is worth less than 1.3 of its price, or one that was "
+     "not more than 0.7",
+     "The light that tells least is worth {kept} times its price, and one that was left out "
+     "{dropped} times:",
+     "the number of lights is uncertain; look at the residual pictures, or take views from more "
+     "sides."},
+    {"photograph", kNote,
+     "no usual model explains the pictures down to their noise, and there are highlights",
+     "The pictures are those of a surface that departs from every model, by {misfit} of what is "
+     "common:",
+     "lights were found by their highlights, and sigmas allow for it."},
     {"outliers", kNote, "0.5 % of the target's pixels or more are outliers",
      "{count} of {on_target} target pixels are unlike all around them and were left out;",
      "look at the pictures for broken pixels, dust or damaged data; some may have been missed."},

@@ -193,10 +193,10 @@ std::vector<SpotCluster> ClusterSpots(const std::vector<Spot>& spots) {
     ++own->views;
   }
   std::vector<SpotCluster> out;
-  for (const Sum& sum : sums) out.push_back({sum.sum.normalized(), std::sqrt(sum.squares), sum.views});
-  std::stable_sort(out.begin(), out.end(), [](const SpotCluster& a, const SpotCluster& b) {
-    return a.sigmas > b.sigmas;
-  });
+  for (const Sum& sum : sums)
+    out.push_back({sum.sum.normalized(), std::sqrt(sum.squares), sum.views});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const SpotCluster& a, const SpotCluster& b) { return a.sigmas > b.sigmas; });
   return out;
 }
 

@@ -37,7 +37,7 @@ std::vector<Spot> FindSpots(const model::Keyframe& keyframe, std::size_t index,
 // A direction in which several pictures have a spot.
 struct SpotCluster {
   Eigen::Vector3d direction;
-  double sigmas = 0.0;     // of all spots together
+  double sigmas = 0.0;  // of all spots together
   std::size_t views = 0;
 };
 

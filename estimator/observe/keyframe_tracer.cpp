@@ -103,9 +103,8 @@ void KeyframeTracer::MarkPicture(const model::Keyframe& keyframe, const cv::Mat1
                                  Clipped clipped) {
   const cv::Rect box = Surroundings(target);
   // Charge and interpolation spill over from what is far too bright; noise does not.
-  cv::Mat1b saturated = clipped == Clipped::kLeftOut
-                            ? keyframe.image.saturated.clone()
-                            : cv::Mat1b(flags_.size(), std::uint8_t{0});
+  cv::Mat1b saturated = clipped == Clipped::kLeftOut ? keyframe.image.saturated.clone()
+                                                     : cv::Mat1b(flags_.size(), std::uint8_t{0});
   cv::Mat1b broken;
   if (!box.empty()) {
     broken = FindBrokenPixels(keyframe.image.radiance(box), target(box));
@@ -183,9 +182,8 @@ Status TraceKeyframes(
       if (StopRequested(stop)) return;
       batch[i].keyframe = keyframes.read(first + i);
       if (!batch[i].keyframe) return;
-      batch[i].tracer =
-          KeyframeTracer(*batch[i].keyframe, static_cast<std::uint32_t>(first + i), geometry, rays,
-                         clipped);
+      batch[i].tracer = KeyframeTracer(*batch[i].keyframe, static_cast<std::uint32_t>(first + i),
+                                       geometry, rays, clipped);
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (StopRequested(stop)) return InterruptedError();

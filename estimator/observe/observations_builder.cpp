@@ -91,8 +91,7 @@ void ObservationsBuilder::Append(const model::Keyframe& keyframe, const cv::Mat1
   ParallelFor(rows.size(), [&](std::size_t r) {
     for (std::size_t i = 0; i < rows[r].size(); ++i) {
       Put(keyframe, rows[r][i], at[r] + i);
-      if (marks != nullptr)
-        out_.at_white[at[r] + i] = marks->data[rows[r][i].pixel];
+      if (marks != nullptr) out_.at_white[at[r] + i] = marks->data[rows[r][i].pixel];
     }
   });
 }

@@ -12,11 +12,11 @@
 namespace turnlight::estimator::observe {
 namespace {
 
-constexpr double kFloor = 0.0007;  // of the brightest
-constexpr double kShare = 0.02;    // of a value
-constexpr double kShift = 0.25;    // pixels
-constexpr double kBeside = 0.15;   // of a value, beside clipped pixels
-constexpr double kClipped = 0.05;  // of a clipped pixel's value
+constexpr double kFloor = 0.0007;   // of the brightest
+constexpr double kShare = 0.02;     // of a value
+constexpr double kShift = 0.5;      // pixels
+constexpr double kBeside = 0.15;    // of a value, beside clipped pixels
+constexpr double kClipped = 0.15;   // of a clipped pixel's value
 constexpr double kContrast = 0.15;  // of the surround: a highlight
 constexpr double kScale = 2.0, kSurround = 2.5;
 constexpr int kGrown = 3, kGrownClipped = 4;  // pixels
@@ -73,8 +73,8 @@ Planes PlanesOf(const model::Keyframe& keyframe, const cv::Mat1b& inside, double
     for (int x = 0; x < grey.cols; ++x) {
       if (inside(y, x) == 0) continue;
       const double value = std::max(static_cast<double>(grey(y, x)), 0.0);
-      double sigma = std::hypot(kFloor * brightest, kShare * value,
-                                kShift * static_cast<double>(slope(y, x)));
+      double sigma =
+          std::hypot(kFloor * brightest, kShare * value, kShift * static_cast<double>(slope(y, x)));
       if (beside(y, x) != 0) sigma = std::max(sigma, kBeside * value);
       if (clipped(y, x) != 0) sigma = kClipped * value;
       double variance = sigma * sigma;
@@ -146,8 +146,8 @@ Result<Photograph> TakePhotograph(const model::KeyframeSource& keyframes,
     weighed.image.variance = planes.variance;
     builder.Add(weighed, tracer, &planes.marks);
   };
-  if (const Status status = TraceKeyframes(keyframes, geometry, rays, options.stop, put,
-                                           Clipped::kKept);
+  if (const Status status =
+          TraceKeyframes(keyframes, geometry, rays, options.stop, put, Clipped::kKept);
       !status)
     return Forward(status);
   out.pixels = builder.Finish();

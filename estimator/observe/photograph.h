@@ -27,12 +27,12 @@ struct Photograph {
 
 inline constexpr double kWeighedSigma = 0.01;
 
-// Of a value y: 0.07 % of the brightest, 2 % of y, and what a quarter of a pixel's shift changes;
-// beside clipped pixels at least 15 % of y, for charge spills over; 5 % of a clipped pixel. Outside
-// highlights all of it goes together over an area of `correlated` pixels.
+// What a model is expected to leave of a value y: 0.07 % of the brightest, 2 % of y, and what half
+// a pixel's shift changes; of clipped pixels and beside them, as charge spills over, at least 15 %
+// of y. Outside highlights all of it goes together over an area of `correlated` pixels.
 struct PhotographOptions {
-  double correlated = 33.0;         // pixels
-  std::size_t most_shaded = 12000;  // pixels outside highlights; of more, so many are taken
+  double correlated = 33.0;        // pixels
+  std::size_t most_shaded = 3000;  // pixels outside highlights; of more, so many are taken
   const StopFlag* stop = nullptr;
 };
 

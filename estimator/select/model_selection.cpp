@@ -15,8 +15,7 @@
 namespace turnlight::estimator::select {
 namespace {
 
-constexpr double kMinSpecularPeak = 0.003;    // of white
-constexpr double kMinInverseDistance = 5e-4;  // rho R
+constexpr double kMinSpecularPeak = 0.003;  // of white
 constexpr double kMinColour = 0.005;
 constexpr double kFirstF0 = 0.5, kKnownF0 = 0.2;
 constexpr double kHuberSigmas = 1.0;  // scale of the loss in robust sigmas of the residual

@@ -23,9 +23,10 @@ struct Refined {
   uncertainty::ResidualSplits splits;  // of the solution
 };
 
-inline constexpr double kSignificance = 3.0;  // sigmas
-inline constexpr double kChance = 4.0;        // sigmas of chi squared that chance does not reach
-inline constexpr double kBeyondNoise = 2.0;   // residual rms over noise from which it is not noise
+inline constexpr double kMinInverseDistance = 5e-4;  // rho R: of a near light, at least
+inline constexpr double kSignificance = 3.0;         // sigmas
+inline constexpr double kChance = 4.0;       // sigmas of chi squared that chance does not reach
+inline constexpr double kBeyondNoise = 2.0;  // residual rms over noise from which it is not noise
 
 // Solves on from the scene and with the options of `out`; its splits are then out of date.
 void SolveOn(const observe::Observations& observations, Refined& out);

@@ -33,8 +33,8 @@ struct EvaluateOptions {
   std::shared_ptr<const FrameFactors> factors;
 };
 
-// How many values, pixels times channels, a cost is a sum over; of pixels that share what they tell,
-// how many independent ones.
+// How many values, pixels times channels, a cost is a sum over; of pixels that share what they
+// tell, how many independent ones.
 double ValueCount(const observe::Observations& observations, const EvaluateOptions& options);
 
 }  // namespace turnlight::estimator::solve

@@ -149,8 +149,7 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
 }
 
 std::vector<Part> PartsOf(const model::Scene& scene, const observe::Observations& observations) {
-  const bool by_channel =
-      (scene.free_colours || scene.coloured()) && observations.channels > 1;
+  const bool by_channel = (scene.free_colours || scene.coloured()) && observations.channels > 1;
   const bool by_keyframe = scene.free_factors || scene.flickers();
   const int keyframes = by_keyframe ? static_cast<int>(observations.tile_begin.size()) - 1 : 1;
   std::vector<Part> parts;

@@ -19,11 +19,13 @@ Solution SolveSettled(const observe::Observations& observations, const model::Sc
   const double tolerance = observations.subsampled ? kSampleShadowTolerance : kShadowTolerance;
   const int least = observations.subsampled ? 1 : 2;
   EvaluateOptions& evaluate = options.evaluate;
-  evaluate.samples_per_side = FootprintSamples(observations, start.reflectance, least, evaluate.aperture);
+  evaluate.samples_per_side =
+      FootprintSamples(observations, start.reflectance, least, evaluate.aperture);
   evaluate.shadows = CastShadows(observations, start, known, tolerance);
   Solution solution = Solve(observations, start, options);
   for (int round = 1; round < rounds; ++round) {
-    auto samples = FootprintSamples(observations, solution.scene.reflectance, least, evaluate.aperture);
+    auto samples =
+        FootprintSamples(observations, solution.scene.reflectance, least, evaluate.aperture);
     Shadows shadows = CastShadows(observations, solution.scene, evaluate.shadows, tolerance);
     if (samples == evaluate.samples_per_side && SameShadows(shadows, evaluate.shadows)) break;
     evaluate.samples_per_side = std::move(samples);

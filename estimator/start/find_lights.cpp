@@ -146,7 +146,7 @@ struct Search {
 }  // namespace
 
 Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>& clusters,
-                     std::vector<model::Rung>& ladder) {
+                     std::vector<model::Rung>& ladder, const Beyond& beyond) {
   std::vector<Eigen::Vector3d> directions;
   for (const observe::MapPoint& cluster : clusters)
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
@@ -156,6 +156,7 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
   search.colours = sample.choice.coloured.value_or(false) && !grey;
   model::DiffuseModel diffuse = sample.choice.diffuse.value_or(model::DiffuseModel::kLambert);
   const double first = search.Try("the intensity map's clusters", directions, diffuse);
+  if (!search.done && beyond && beyond(sample)) return std::move(search.best);
   if (!search.done && !sample.choice.diffuse) {
     const double rough = search.Try("the clusters", directions, model::DiffuseModel::kOrenNayar);
     // Oren-Nayar can be as smooth as Lambert; Lambert has fewer ways to go wrong.

@@ -6,6 +6,7 @@
 #include "estimator/model/rung.h"
 #include "estimator/observe/intensity_map.h"
 #include "estimator/start/candidate.h"
+#include "estimator/start/usual_models.h"
 
 namespace turnlight::estimator::start {
 
@@ -14,9 +15,10 @@ namespace turnlight::estimator::start {
 // least with the other diffuse model. Each is fitted and thinned out, and the best stays: more
 // lights must make the excess variance three times smaller, each of them where the diffuse models
 // differ; Oren-Nayar 1.25 times. Where all that leaves too much, and there are colours, also with
-// lights of their own colours, which must make it three times smaller.
+// lights of their own colours, which must make it three times smaller. beyond (optional): where it
+// says so the search ends with what the clusters led to.
 Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>& clusters,
-                     std::vector<model::Rung>& ladder);
+                     std::vector<model::Rung>& ladder, const Beyond& beyond = {});
 
 // Lambert or Oren-Nayar for these lights, by the same rule.
 Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,

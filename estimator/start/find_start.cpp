@@ -21,7 +21,7 @@ constexpr double kSampleSize = 6000.0, kSampledNoise = 0.02, kMostSamples = 8.0;
 
 Start FindStart(const observe::Observations& all, double noise, const observe::IntensityMap& map,
                 const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice,
-                const StopFlag* stop) {
+                const StopFlag* stop, const Beyond& beyond) {
   const double more = std::clamp(std::pow(noise / kSampledNoise, 2), 1.0, kMostSamples);
   const bool by_keyframe = choice.changing.value_or(false);
   const Sample sample{
@@ -35,7 +35,11 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
     candidate = FitGuess(sample, *guess, clusters, out.ladder);
     if (choice.lobes == 2) candidate = ChooseSecondLobe(sample, candidate, out.ladder);
   } else {
-    candidate = FindLights(sample, clusters, out.ladder);
+    bool ended = false;
+    candidate = FindLights(
+        sample, clusters, out.ladder,
+        beyond ? Beyond([&](const Sample& asked) { return ended = beyond(asked); }) : Beyond());
+    if (ended) return out;
     candidate = ChooseDiffuse(sample, candidate, out.ladder);
     candidate = ChooseLobeAndCoat(sample, candidate, out.ladder);
     candidate = ChooseSecondLobe(sample, candidate, out.ladder);

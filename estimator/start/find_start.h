@@ -11,6 +11,7 @@
 #include "estimator/model/scene.h"
 #include "estimator/observe/intensity_map.h"
 #include "estimator/observe/observations.h"
+#include "estimator/start/usual_models.h"
 
 namespace turnlight::estimator::start {
 
@@ -22,9 +23,10 @@ struct Start {
 
 // On a sample of the pixels: from the guess, or from the map's clusters and what else leads
 // further; with the diffuse model, the lobe and the lights that matter on pixels held out. noise:
-// sigma of a value. With stop set it ends soon, with a start that is of no use.
+// sigma of a value. With stop set it ends soon, with a start that is of no use; and where `beyond`
+// says so.
 Start FindStart(const observe::Observations& all, double noise, const observe::IntensityMap& map,
                 const std::optional<model::InitialGuess>& guess, const model::ModelChoice& choice,
-                const StopFlag* stop = nullptr);
+                const StopFlag* stop = nullptr, const Beyond& beyond = {});
 
 }  // namespace turnlight::estimator::start

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "estimator/observe/radiance_statistics.h"
+#include "estimator/solve/photograph_solve.h"
 #include "estimator/solve/prediction.h"
 #include "estimator/solve/settled_solve.h"
 #include "estimator/start/start_scene.h"
@@ -19,12 +21,10 @@ namespace {
 using observe::Observations;
 using observe::Photograph;
 
-constexpr double kBlur = 2.6;        // pixels: of a demosaiced pixel and its lens, as a box
-constexpr double kDepartures = 0.1;  // their size that is expected
 constexpr double kSharpAlpha = 0.03, kBroadAlpha = 0.2;
 constexpr double kSharpPeak = 0.5, kBroadPeak = 0.05;  // of the diffuse part, at the start
-constexpr int kHeldIterations = 6, kIterations = 40, kFewIterations = 8;
-constexpr double kTolerance = 1e-6, kToCompare = 1e-4;
+constexpr int kHeldIterations = 6, kFitIterations = 40, kFewIterations = 8;
+constexpr double kTolerance = 1e-6, kRoughly = 1e-4;
 constexpr double kMergeDeg = 5.0, kApartDeg = 6.0;
 constexpr std::size_t kWeakest = 4, kHottest = 60, kMostTried = 3, kMostStarts = 24;
 constexpr int kRounds = 3;
@@ -40,7 +40,7 @@ struct Fit {
   double cost = 0.0;
 };
 
-struct Search {
+struct PhotographSearch {
   const Photograph& photograph;
   const StopFlag* stop;
 
@@ -52,7 +52,7 @@ struct Search {
   }
 
   Fit Refit(const Fit& start, int iterations, double tolerance, bool free_directions = true) const {
-    solve::SolveOptions options = PhotographSolveOptions(start.scene.lights.size());
+    solve::SolveOptions options = solve::PhotographSolveOptions(start.scene.lights.size());
     options.gauge = solve::Gauge::kDiffuse;
     options.max_iterations = iterations;
     options.function_tolerance = tolerance;
@@ -66,9 +66,9 @@ struct Search {
 };
 
 // Each pixel's part of twice the misfit's sum.
-std::vector<double> Squares(const Search& search, const Fit& fit) {
+std::vector<double> Squares(const PhotographSearch& search, const Fit& fit) {
   const Observations& all = search.pixels();
-  solve::EvaluateOptions options = PhotographSolveOptions(0).evaluate;
+  solve::EvaluateOptions options = solve::PhotographSolveOptions(0).evaluate;
   options.samples_per_side = fit.samples;
   options.shadows = fit.shadows;
   const solve::Prediction model = solve::Predict(all, fit.scene, options);
@@ -103,10 +103,12 @@ Eigen::Vector3d MirroredAt(const Observations& all, std::size_t i) {
 struct Worth {
   double all = 0.0, own = 0.0;
 
-  bool Enough() const { return all > kPrice || own > kOwnPrice; }
+  // Its price's share; it counts from 1.
+  double Share() const { return std::max(all / kPrice, own / kOwnPrice); }
+  bool Enough() const { return Share() > 1.0; }
 };
 
-Worth WorthOf(const Search& search, const model::Light& light, const Fit& with,
+Worth WorthOf(const PhotographSearch& search, const model::Light& light, const Fit& with,
               const Fit& without) {
   const Observations& pixels = search.pixels();
   const double turn = PixelTurn(pixels);
@@ -131,10 +133,10 @@ Worth WorthOf(const Search& search, const model::Light& light, const Fit& with,
   return out;
 }
 
-Fit WithoutLight(const Search& search, const Fit& full, std::size_t light) {
+Fit WithoutLight(const PhotographSearch& search, const Fit& full, std::size_t light) {
   Fit start = full;
   start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(light));
-  return search.Refit(start, kFewIterations, kToCompare);
+  return search.Refit(start, kFewIterations, kRoughly);
 }
 
 // Lights that stand together are one.
@@ -146,9 +148,9 @@ bool MergeOnce(model::Scene& scene) {
       if (lights[i].direction.dot(lights[j].direction) < cosine) continue;
       const double sum = lights[i].intensity + lights[j].intensity;
       if (sum > 0.0)
-        lights[i].direction = (lights[i].intensity * lights[i].direction +
-                               lights[j].intensity * lights[j].direction)
-                                  .normalized();
+        lights[i].direction =
+            (lights[i].intensity * lights[i].direction + lights[j].intensity * lights[j].direction)
+                .normalized();
       lights[i].intensity = sum;
       lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(j));
       return true;
@@ -157,18 +159,25 @@ bool MergeOnce(model::Scene& scene) {
 }
 
 std::string Told(const model::Light& light, const Worth& worth) {
-  return Format("the light from (%+.2f, %+.2f, %+.2f) is worth %.0f in all and %.0f in its own "
-                "highlight; it counts from %.0f or %.0f",
-                light.direction.x(), light.direction.y(), light.direction.z(), worth.all,
-                worth.own, kPrice, kOwnPrice);
+  return Format(
+      "the light from (%+.2f, %+.2f, %+.2f) is worth %.0f in all and %.0f in its own "
+      "highlight; it counts from %.0f or %.0f",
+      light.direction.x(), light.direction.y(), light.direction.z(), worth.all, worth.own, kPrice,
+      kOwnPrice);
 }
 
+// What was decided of lights, and by how much.
+struct Decisions {
+  std::vector<model::Rung> ladder;
+  double least_kept = std::numeric_limits<double>::infinity(), most_dropped = 0.0;
+};
+
 // Takes out what is not worth its price, or down to so many.
-Fit Prune(const Search& search, Fit fit, std::optional<int> wanted,
-          std::vector<model::Rung>& ladder) {
+Fit Prune(const PhotographSearch& search, Fit fit, std::optional<int> wanted,
+          Decisions& decisions) {
   while (!StopRequested(search.stop)) {
     if (MergeOnce(fit.scene)) {
-      fit = search.Refit(fit, kIterations, kToCompare);
+      fit = search.Refit(fit, kFitIterations, kRoughly);
       continue;
     }
     const auto& lights = fit.scene.lights;
@@ -193,21 +202,26 @@ Fit Prune(const Search& search, Fit fit, std::optional<int> wanted,
     }
     std::stable_sort(tried.begin(), tried.end(),
                      [](const Tried& a, const Tried& b) { return a.worth.all < b.worth.all; });
+    decisions.least_kept = std::numeric_limits<double>::infinity();
+    for (const Tried& one : tried)
+      decisions.least_kept = std::min(decisions.least_kept, one.worth.Share());
     const auto dropped = std::find_if(tried.begin(), tried.end(), [&](const Tried& one) {
       return wanted || !one.worth.Enough();
     });
     if (dropped == tried.end()) break;
-    ladder.push_back({"highlight light", false, Told(lights[dropped->light], dropped->worth)});
-    fit = search.Refit(dropped->without, kIterations, kTolerance);
+    decisions.ladder.push_back(
+        {"highlight light", false, Told(lights[dropped->light], dropped->worth)});
+    decisions.most_dropped = std::max(decisions.most_dropped, dropped->worth.Share());
+    fit = search.Refit(dropped->without, kFitIterations, kTolerance);
   }
   return fit;
 }
 
 // Directions of the brightest residuals, apart from each other and from the lights.
-std::vector<Eigen::Vector3d> HotDirections(const Search& search, const Fit& fit) {
+std::vector<Eigen::Vector3d> HotDirections(const PhotographSearch& search, const Fit& fit) {
   const Observations& all = search.pixels();
   const std::vector<double> squares = Squares(search, fit);
-  solve::EvaluateOptions options = PhotographSolveOptions(0).evaluate;
+  solve::EvaluateOptions options = solve::PhotographSolveOptions(0).evaluate;
   options.samples_per_side = fit.samples;
   options.shadows = fit.shadows;
   const solve::Prediction model = solve::Predict(all, fit.scene, options);
@@ -234,8 +248,7 @@ std::vector<Eigen::Vector3d> HotDirections(const Search& search, const Fit& fit)
 }
 
 // Adds what is worth its price, or up to so many.
-Fit Add(const Search& search, Fit fit, std::optional<int> wanted,
-        std::vector<model::Rung>& ladder) {
+Fit Add(const PhotographSearch& search, Fit fit, std::optional<int> wanted, Decisions& decisions) {
   for (int round = 0; (wanted || round < kRounds) && !StopRequested(search.stop); ++round) {
     if (wanted && fit.scene.lights.size() >= static_cast<std::size_t>(*wanted)) break;
     std::optional<Fit> best;
@@ -248,17 +261,21 @@ Fit Add(const Search& search, Fit fit, std::optional<int> wanted,
       for (const model::Light& l : fit.scene.lights) strongest = std::max(strongest, l.intensity);
       light.intensity = 0.2 * strongest;
       start.scene.lights.push_back(light);
-      Fit with = search.Refit(search.Refit(start, kHeldIterations, kToCompare, false),
-                              kFewIterations, kToCompare);
+      Fit with = search.Refit(search.Refit(start, kHeldIterations, kRoughly, false), kFewIterations,
+                              kRoughly);
       const Worth worth = WorthOf(search, with.scene.lights.back(), with, fit);
       if (!best || worth.all > most.all) {
         most = worth;
         best = std::move(with);
       }
     }
-    if (!best || (!wanted && !most.Enough())) break;
-    ladder.push_back({"highlight light", true, Told(best->scene.lights.back(), most)});
-    fit = search.Refit(*best, kIterations, kTolerance);
+    if (!best) break;
+    if (!wanted && !most.Enough()) {
+      decisions.most_dropped = std::max(decisions.most_dropped, most.Share());
+      break;
+    }
+    decisions.ladder.push_back({"highlight light", true, Told(best->scene.lights.back(), most)});
+    fit = search.Refit(*best, kFitIterations, kTolerance);
   }
   return fit;
 }
@@ -283,13 +300,19 @@ model::Scene FirstScene(const Photograph& photograph, const model::ModelChoice& 
   return scene;
 }
 
+void PutSharperFirst(model::Reflectance& r) {
+  if (r.lobes[1].present() && model::LobeHalfWidth(r.lobes[1]) < model::LobeHalfWidth(r.lobes[0]))
+    std::swap(r.lobes[0], r.lobes[1]);
+}
+
 // Of the surfaces that can be meant, that which leaves the least; the coat unless another leaves
 // clearly less.
-Fit ChooseSurface(const Search& search, const Fit& coated, std::vector<model::Rung>& ladder) {
+Fit ChooseSurface(const PhotographSearch& search, const Fit& coated,
+                  std::vector<model::Rung>& ladder) {
   Fit rough = coated;
   rough.scene.reflectance.diffuse_model = model::DiffuseModel::kOrenNayar;
   rough.scene.reflectance.roughness = 0.3;
-  rough = search.Refit(rough, kIterations, kTolerance);
+  rough = search.Refit(rough, kFitIterations, kTolerance);
   const bool taken = search.Misfit(rough) * kSurfaceRatio < search.Misfit(coated);
   ladder.push_back(
       {"coated", !taken,
@@ -301,24 +324,9 @@ Fit ChooseSurface(const Search& search, const Fit& coated, std::vector<model::Ru
 
 }  // namespace
 
-solve::SolveOptions PhotographSolveOptions(std::size_t lights) {
-  solve::SolveOptions options;
-  options.fixed_distance.assign(lights, true);
-  options.function_tolerance = kTolerance;
-  options.evaluate.aperture = kBlur;
-  options.evaluate.shading_price = std::pow(observe::kWeighedSigma / kDepartures, 2);
-  return options;
-}
-
-double MisfitOf(const Observations& pixels, const solve::Solution& solution) {
-  return 2.0 * solution.equations.cost /
-         (observe::kWeighedSigma * observe::kWeighedSigma *
-          solve::ValueCount(pixels, solution.evaluate));
-}
-
 PhotographLights FindPhotographLights(const Photograph& photograph,
                                       const model::ModelChoice& choice, const StopFlag* stop) {
-  const Search search{photograph, stop};
+  const PhotographSearch search{photograph, stop};
   PhotographLights out;
   Fit fit;
   fit.scene = FirstScene(photograph, choice);
@@ -329,12 +337,17 @@ PhotographLights FindPhotographLights(const Photograph& photograph,
   out.ladder.push_back({"highlights", true,
                         Format("%zu compact bright spots, where lights from %s would show",
                                photograph.spots.size(), spots.c_str())});
-  fit = search.Refit(fit, kHeldIterations, kToCompare, false);
-  fit = search.Refit(fit, kIterations, kTolerance);
-  fit = Prune(search, std::move(fit), choice.lights, out.ladder);
-  fit = Add(search, std::move(fit), choice.lights, out.ladder);
-  fit = Prune(search, std::move(fit), choice.lights, out.ladder);
+  fit = search.Refit(fit, kHeldIterations, kRoughly, false);
+  fit = search.Refit(fit, kFitIterations, kTolerance);
+  Decisions decisions;
+  fit = Prune(search, std::move(fit), choice.lights, decisions);
+  fit = Add(search, std::move(fit), choice.lights, decisions);
+  fit = Prune(search, std::move(fit), choice.lights, decisions);
+  out.ladder.insert(out.ladder.end(), decisions.ladder.begin(), decisions.ladder.end());
+  out.least_kept = decisions.least_kept;
+  out.most_dropped = decisions.most_dropped;
   if (!choice.diffuse) fit = ChooseSurface(search, fit, out.ladder);
+  PutSharperFirst(fit.scene.reflectance);
   out.misfit = search.Misfit(fit);
   out.scene = std::move(fit.scene);
   out.shadows = std::move(fit.shadows);

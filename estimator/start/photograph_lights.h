@@ -13,23 +13,19 @@
 #include "estimator/model/rung.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/photograph.h"
-#include "estimator/solve/solver.h"
+#include "estimator/solve/shadows.h"
 
 namespace turnlight::estimator::start {
 
 struct PhotographLights {
-  model::Scene scene;        // in the coordinates of the photograph's pixels
-  solve::Shadows shadows;    // that it was fitted with
-  double misfit = 0.0;       // mean square of the residuals, in expected sigmas
+  model::Scene scene;      // in the coordinates of the photograph's pixels
+  solve::Shadows shadows;  // that it was fitted with
+  double misfit = 0.0;     // mean square of the residuals, in expected sigmas
   std::vector<model::Rung> ladder;
+  // What lights are worth, of their price: the least of those that were kept beside others, and the
+  // most of those that were not. Both near 1: their number is open.
+  double least_kept = 0.0, most_dropped = 0.0;
 };
-
-// How photographs are solved: lights are distant, pixels blurred as a demosaiced camera's are, and
-// the diffuse part's departures held to 10 % or so.
-solve::SolveOptions PhotographSolveOptions(std::size_t lights);
-
-// Mean square of a solution's residuals, in the sigmas that the pixels were given.
-double MisfitOf(const observe::Observations& pixels, const solve::Solution& solution);
 
 // There must be spots. With stop set it ends soon, with what is of no use.
 PhotographLights FindPhotographLights(const observe::Photograph& photograph,

@@ -45,6 +45,19 @@ const BudgetWords& LightsWords() {
   return kWords;
 }
 
+const BudgetWords& HighlightsWords() {
+  static const BudgetWords kWords{"highlights", "places of highlights, by 0.15 pixels",
+                                  "go nearer, or take a longer focal length"};
+  return kWords;
+}
+
+const BudgetWords& DistanceWords() {
+  static const BudgetWords kWords{
+      "distance", "distances of lights that are not known: 50 radii of the target or infinity",
+      "put the lights further away, or use a smaller target"};
+  return kWords;
+}
+
 const BudgetWords& EarlierWords() {
   static const BudgetWords kWords{"model", "what the model may have wrong, of the fit that decided",
                                   "look at the residual pictures: something there is in no model"};

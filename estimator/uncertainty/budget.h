@@ -16,14 +16,16 @@ struct BudgetWords {
 };
 
 // The items that every estimate may have.
-const BudgetWords& NoiseWords();    // sigma_stat
-const BudgetWords& HalvesWords();   // halves of the pictures that disagree
-const BudgetWords& PixelsWords();   // what a pixel averages over
-const BudgetWords& EdgesWords();    // of attached shadows
-const BudgetWords& NormalsWords();  // of the target
-const BudgetWords& SurfaceWords();  // roughness, texture
-const BudgetWords& LightsWords();   // extent, another light, a distance that was left out
-const BudgetWords& EarlierWords();  // of quantities whose sigma is that of an earlier fit
+const BudgetWords& NoiseWords();       // sigma_stat
+const BudgetWords& HalvesWords();      // halves of the pictures that disagree
+const BudgetWords& PixelsWords();      // what a pixel averages over
+const BudgetWords& EdgesWords();       // of attached shadows
+const BudgetWords& NormalsWords();     // of the target
+const BudgetWords& SurfaceWords();     // roughness, texture
+const BudgetWords& LightsWords();      // extent, another light, a distance that was left out
+const BudgetWords& HighlightsWords();  // where they are in a photograph
+const BudgetWords& DistanceWords();    // of a light in a photograph, that is not known
+const BudgetWords& EarlierWords();     // of quantities whose sigma is that of an earlier fit
 
 // How the fit answers to the errors of a calibration, on a sample of the pixels.
 struct CalibrationResponse {

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "estimator/observe/observations.h"
 #include "estimator/solve/solver.h"
+#include "estimator/uncertainty/photograph_errors.h"
 #include "estimator/uncertainty/unmodelled.h"
 
 namespace turnlight::estimator::uncertainty {
@@ -34,6 +36,9 @@ struct ResidualSplits {
   // pixels a few apart have in common. 0 if that is not beyond noise, or less than 0.1 %.
   double texture = 0.0;
   Unmodelled unmodelled;
+  // Of a photograph, in place of all of the above: its pixels weigh by what a model is expected to
+  // leave of them, together or alone.
+  std::optional<PhotographErrors> photograph;
 };
 
 ResidualSplits SplitResiduals(const observe::Observations& observations,

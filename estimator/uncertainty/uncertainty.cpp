@@ -212,7 +212,7 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
   const Propagation reported = Propagate(solution, observations, order, parameters, covariance,
                                          splits.unmodelled.tilted_scene);
   const Parts parts =
-      PartsOf(solution, parameters, splits, covariance, reported, views_per_distinct);
+      PartsOf(solution, parameters, splits, covariance, reported, views_per_distinct, order);
   std::vector<Part> items{{NoiseWords(), parts.stat}};
   items.insert(items.end(), parts.items.begin(), parts.items.end());
   Eigen::MatrixXd total = parts.stat + parts.model;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/model/tangent_basis.h"
 #include "estimator/solve/unit_diagonal.h"
 #include "estimator/uncertainty/quantities.h"
 
@@ -230,6 +231,25 @@ void AllowForClusters(const Eigen::MatrixXd& gradients, const Linearised& fit, P
   out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
 }
 
+// Of lights in their reported order; of their directions alone.
+void AddPhotographErrors(const PhotographErrors& errors, const model::Scene& scene,
+                         const std::vector<std::size_t>& order, Parts& out) {
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t l = order[i];
+    const Eigen::Index at = At(OfLight::kDirection, i);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(out.stat.rows());
+    for (int axis = 0; axis < 2; ++axis) {
+      Eigen::VectorXd shift = none;
+      shift[at + axis] = errors.place[l];
+      out.Add(HighlightsWords(), shift);
+    }
+    Eigen::VectorXd shift = none;
+    shift.segment<2>(at) =
+        model::TangentBasis(scene.lights[l].direction).transpose() * errors.distance[l];
+    out.Add(DistanceWords(), shift);
+  }
+}
+
 // By how much a light's inverse distance, held at 0, would follow a change of the gradient with the
 // unknowns. 0 if it is an unknown itself, or not identifiable beside them.
 double HeldDistanceShift(const solve::NormalEquations& equations, const Eigen::VectorXd& gradient,
@@ -255,13 +275,18 @@ void Parts::Add(const BudgetWords& words, const Eigen::VectorXd& shift) {
 
 Parts PartsOf(const solve::Solution& solution, const model::Parameters& parameters,
               const ResidualSplits& splits, const Covariance& covariance,
-              const Propagation& reported, double views_per_distinct) {
+              const Propagation& reported, double views_per_distinct,
+              const std::vector<std::size_t>& order) {
   const Eigen::MatrixXd& jacobian = reported.jacobian;
   Parts out;
   out.stat = jacobian * covariance.matrix * jacobian.transpose();
   out.model = Eigen::MatrixXd::Zero(out.stat.rows(), out.stat.cols());
   const std::vector<int>& unknowns = covariance.unknowns;
   if (unknowns.empty() || !(covariance.variance > 0.0)) return out;
+  if (splits.photograph) {
+    AddPhotographErrors(*splits.photograph, solution.scene, order, out);
+    return out;
+  }
   Linearised fit{covariance, jacobian, covariance.matrix / covariance.variance};
   // As many as they are, they have one mean less to vary about.
   const auto corrected = [&](const Eigen::MatrixXd& gradients) {

@@ -50,7 +50,8 @@ struct Parts {
 
 Parts PartsOf(const solve::Solution& solution, const model::Parameters& parameters,
               const ResidualSplits& splits, const Covariance& covariance,
-              const Propagation& reported, double views_per_distinct);
+              const Propagation& reported, double views_per_distinct,
+              const std::vector<std::size_t>& order);
 
 // What the calibration's errors add: items of `parts` that are not in its model.
 std::vector<Part> CalibrationParts(const CalibrationResponse& calibration,
