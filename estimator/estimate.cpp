@@ -85,6 +85,13 @@ struct Found {
   Result<std::optional<Photographed>> photograph = std::optional<Photographed>();
 
   bool of_photograph() const { return photograph && photograph->has_value(); }
+  // What it was fitted to, of a photograph not all of its pixels; and the photograph's lights.
+  const observe::Observations& Fitted(const observe::Observations& all) const {
+    return of_photograph() ? (*photograph)->look.pixels : all;
+  }
+  const start::PhotographLights* lights() const {
+    return of_photograph() ? &(*photograph)->lights : nullptr;
+  }
 };
 
 // photograph (optional): what the pictures are beyond the usual models; where they are that it is
@@ -215,9 +222,9 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   if (StopRequested(options.watch.stop)) return InterruptedError();
   estimate.ladder = std::move(found.ladder);
   estimate.history = std::move(found.history);
+  estimate.initial_s = before + found.start_s;
   select::Refined& result = found.refined;
-  const observe::Observations& fitted =
-      found.of_photograph() ? (*found.photograph)->look.pixels : all;
+  const observe::Observations& fitted = found.Fitted(all);
   std::optional<uncertainty::CalibrationResponse> response;
   if (calibration) {
     Tell(options.watch, Part::kBudget);
@@ -235,9 +242,7 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   if (const Status status = CheckLights(estimate, levels, evidence); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
-  TakeNotes(all, levels, options.model,
-            found.of_photograph() ? &(*found.photograph)->lights : nullptr, estimate);
-  estimate.initial_s = before + found.start_s;
+  TakeNotes(all, levels, options.model, found.lights(), estimate);
   estimate.solve_s = stopwatch.Seconds() - estimate.initial_s;
   if (refined) *refined = std::move(result);
   return estimate;

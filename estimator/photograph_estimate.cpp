@@ -31,8 +31,7 @@ Result<std::optional<Photographed>> LookAtPhotographs(const model::KeyframeSourc
   auto look = observe::TakePhotograph(keyframes, geometry, rays, options);
   if (!look) return Forward(look);
   if (look->spots.empty() || look->pixels.used == 0) return std::optional<Photographed>();
-  start::PhotographLights lights =
-      start::FindPhotographLights(*look, sample.choice, sample.stop);
+  start::PhotographLights lights = start::FindPhotographLights(*look, sample.choice, sample.stop);
   if (StopRequested(sample.stop)) return InterruptedError();
   if (!(lights.misfit > kLeastMisfit && lights.misfit < kMostMisfit))
     return std::optional<Photographed>();

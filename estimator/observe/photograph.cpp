@@ -12,12 +12,13 @@
 namespace turnlight::estimator::observe {
 namespace {
 
-constexpr double kFloor = 0.0007;   // of the brightest
-constexpr double kShare = 0.02;     // of a value
-constexpr double kShift = 0.5;      // pixels
-constexpr double kBeside = 0.15;    // of a value, beside clipped pixels
-constexpr double kClipped = 0.15;   // of a clipped pixel's value
-constexpr double kContrast = 0.15;  // of the surround: a highlight
+constexpr double kFloor = 0.0007;    // of the brightest
+constexpr double kShare = 0.02;      // of a value
+constexpr double kShift = 0.5;       // pixels
+constexpr double kBeside = 0.15;     // of a value, beside clipped pixels
+constexpr double kClipped = 0.15;    // of a clipped pixel's value
+constexpr double kContrast = 0.15;   // of the surround: a highlight
+constexpr double kAboveNoise = 6.0;  // sigmas of a pixel: the least highlight
 constexpr double kScale = 2.0, kSurround = 2.5;
 constexpr int kGrown = 3, kGrownClipped = 4;  // pixels
 
@@ -28,7 +29,8 @@ cv::Mat1b Grown(const cv::Mat1b& mask, int by) {
 }
 
 // What is bright against its surround at any scale, and clipped, each grown a little.
-cv::Mat1b HighlightsOf(const cv::Mat1f& grey, const cv::Mat1b& inside, const cv::Mat1b& clipped) {
+cv::Mat1b HighlightsOf(const cv::Mat1f& grey, const cv::Mat1b& inside, const cv::Mat1b& clipped,
+                       double noise) {
   cv::Mat1f share;
   inside.convertTo(share, CV_32F, 1.0 / 255.0);
   const auto mean = [&](double sigma) {
@@ -40,7 +42,7 @@ cv::Mat1b HighlightsOf(const cv::Mat1f& grey, const cv::Mat1b& inside, const cv:
   cv::Mat1b bright(grey.size(), std::uint8_t{0});
   for (const double scale : {1.0, kScale, 2.0 * kScale}) {
     const cv::Mat1f around = mean(kSurround * scale);
-    bright |= (mean(scale) - around) > cv::max(kContrast * around, 1e-9f);
+    bright |= (mean(scale) - around) > cv::max(kContrast * around, kAboveNoise * noise);
   }
   return (Grown(bright, kGrown) | Grown(clipped, kGrownClipped)) & inside;
 }
@@ -64,7 +66,8 @@ Planes PlanesOf(const model::Keyframe& keyframe, const cv::Mat1b& inside, double
   const cv::Mat1f grey = GreyOf(keyframe.image.radiance);
   const cv::Mat1b clipped = keyframe.image.saturated & inside;
   const cv::Mat1b beside = Grown(clipped, 1);
-  const cv::Mat1b highlights = HighlightsOf(grey, inside, clipped);
+  const double noise = NoiseOf(grey, inside);
+  const cv::Mat1b highlights = HighlightsOf(grey, inside, clipped, noise);
   const cv::Mat1f slope = SlopeOf(grey);
   double brightest = 0.0;
   cv::minMaxLoc(grey, nullptr, &brightest, nullptr, nullptr, inside);
@@ -73,8 +76,8 @@ Planes PlanesOf(const model::Keyframe& keyframe, const cv::Mat1b& inside, double
     for (int x = 0; x < grey.cols; ++x) {
       if (inside(y, x) == 0) continue;
       const double value = std::max(static_cast<double>(grey(y, x)), 0.0);
-      double sigma =
-          std::hypot(kFloor * brightest, kShare * value, kShift * static_cast<double>(slope(y, x)));
+      double sigma = std::hypot(std::hypot(kFloor * brightest, noise), kShare * value,
+                                kShift * static_cast<double>(slope(y, x)));
       if (beside(y, x) != 0) sigma = std::max(sigma, kBeside * value);
       if (clipped(y, x) != 0) sigma = kClipped * value;
       double variance = sigma * sigma;
@@ -152,9 +155,11 @@ Result<Photograph> TakePhotograph(const model::KeyframeSource& keyframes,
     return Forward(status);
   out.pixels = builder.Finish();
   SetRadianceUnit(out.pixels);
+  // Not all neighbours are there, and a shadow's edge is what a shift of the picture may change.
+  out.pixels.subsampled = true;
   Weigh(out.pixels);
   out.pixels.independent = independent;
-  out.spots = ClusterSpots(spots);
+  out.spots = ClusterSpots(spots, out.pixels.reference, out.pixels.radius);
   return out;
 }
 

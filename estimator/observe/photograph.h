@@ -27,9 +27,9 @@ struct Photograph {
 
 inline constexpr double kWeighedSigma = 0.01;
 
-// What a model is expected to leave of a value y: 0.07 % of the brightest, 2 % of y, and what half
-// a pixel's shift changes; of clipped pixels and beside them, as charge spills over, at least 15 %
-// of y. Outside highlights all of it goes together over an area of `correlated` pixels.
+// What a model is expected to leave of a value y: noise, 0.07 % of the brightest, 2 % of y, and
+// what half a pixel's shift changes; of clipped pixels and beside them, as charge spills over, at
+// least 15 % of y. Outside highlights all of it goes together over an area of `correlated` pixels.
 struct PhotographOptions {
   double correlated = 33.0;        // pixels
   std::size_t most_shaded = 3000;  // pixels outside highlights; of more, so many are taken

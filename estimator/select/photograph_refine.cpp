@@ -17,7 +17,7 @@ namespace {
 // a ball, inverse distances were off by up to six times
 // their statistical sigmas.
 constexpr double kMoreDepartures = 4.0;
-constexpr double kLeastPeak = 1e-4;           // of the brightest highlight: a lobe that is there
+constexpr double kLeastPeak = 1e-4;  // of the brightest highlight: a lobe that is there
 
 void SolveAs(const observe::Observations& pixels, Refined& out) {
   SolveOn(pixels, out);
@@ -79,12 +79,17 @@ Refined RefinePhotograph(const observe::Observations& pixels, const model::Scene
              (choice.near ? "as asked for"
                           : Format("it counts from %.3g and 3 sigma", kMinInverseDistance))});
   }
-  if (std::find(out.near.begin(), out.near.end(), true) == out.near.end()) return out;
+  bool changed = false;
   for (std::size_t l = 0; l < lights; ++l) {
+    model::Light& light = out.solution.scene.lights[l];
+    changed |= out.near[l] || light.inverse_distance > 0.0;
     out.options.fixed_distance[l] = !out.near[l];
-    if (out.near[l]) out.solution.scene.lights[l] = free.solution.scene.lights[l];
+    if (out.near[l])
+      light = free.solution.scene.lights[l];
+    else
+      light.inverse_distance = 0.0;
   }
-  SolveAs(pixels, out);
+  if (changed) SolveAs(pixels, out);
   return out;
 }
 

@@ -28,10 +28,12 @@ constexpr double kTolerance = 1e-6, kRoughly = 1e-4;
 constexpr double kMergeDeg = 5.0, kApartDeg = 6.0;
 constexpr std::size_t kWeakest = 4, kHottest = 60, kMostTried = 3, kMostStarts = 24;
 constexpr int kRounds = 3;
-// The price of a light: independent pixels times the logarithm of what the misfit grows by without
-// it, of all pixels and of those around its own highlight.
+// The price of a light: a view's independent pixels times the logarithm of what the misfit grows by
+// without it, of all pixels and of those around its own highlight.
 constexpr double kPrice = 300.0, kOwnPrice = 90.0;
 constexpr double kSurfaceRatio = 1.25;  // of the misfit: what another surface must lower it by
+
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 struct Fit {
   model::Scene scene;
@@ -116,7 +118,9 @@ Worth WorthOf(const PhotographSearch& search, const model::Light& light, const F
   const double cosine = std::cos(2.5 * std::max(width, 1.2 * turn) + 2.0 * turn);
   const std::vector<double> a = Squares(search, with), b = Squares(search, without);
   double sum_a = 0.0, sum_b = 0.0, own_a = 0.0, own_b = 0.0, own = 0.0;
+  std::size_t keyframe = 0, views = 0, last = kNone;
   for (std::size_t i = 0; i < a.size(); ++i) {
+    while (i / observe::kTile >= pixels.tile_begin[keyframe + 1]) ++keyframe;
     sum_a += a[i];
     sum_b += b[i];
     if (pixels.pixel[i] == Observations::kNoPixel ||
@@ -124,12 +128,16 @@ Worth WorthOf(const PhotographSearch& search, const model::Light& light, const F
         MirroredAt(pixels, i).dot(light.direction) < cosine)
       continue;
     own += 1.0;
+    views += std::exchange(last, keyframe) != keyframe ? 1 : 0;
     own_a += a[i];
     own_b += b[i];
   }
   Worth out;
   out.all = search.independent() * std::log(std::max(sum_b, 1e-300) / std::max(sum_a, 1e-300));
   if (own > 0.0) out.own = own * std::log(std::max(own_b, 1e-300) / std::max(own_a, 1e-300));
+  // What a model leaves of one view it leaves of others.
+  out.all /= static_cast<double>(pixels.tile_begin.size() - 1);
+  out.own /= static_cast<double>(std::max<std::size_t>(views, 1));
   return out;
 }
 
@@ -257,6 +265,7 @@ Fit Add(const PhotographSearch& search, Fit fit, std::optional<int> wanted, Deci
       Fit start = fit;
       model::Light light;
       light.direction = direction;
+      light.inverse_distance = fit.scene.lights.front().inverse_distance;
       double strongest = 0.0;
       for (const model::Light& l : fit.scene.lights) strongest = std::max(strongest, l.intensity);
       light.intensity = 0.2 * strongest;
@@ -285,7 +294,8 @@ model::Scene FirstScene(const Photograph& photograph, const model::ModelChoice& 
   for (const observe::SpotCluster& spot : photograph.spots)
     if (directions.size() < kMostStarts) directions.push_back(spot.direction);
   model::Scene scene = StartFromDirections(photograph.pixels, directions);
-  for (model::Light& light : scene.lights) light.inverse_distance = 0.0;
+  for (model::Light& light : scene.lights)
+    light.inverse_distance = photograph.spots.front().inverse_distance;
   scene.free_shading = true;
   model::Reflectance& r = scene.reflectance;
   r.diffuse_model = choice.diffuse.value_or(model::DiffuseModel::kCoated);

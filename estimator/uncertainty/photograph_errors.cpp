@@ -5,7 +5,7 @@
 namespace turnlight::estimator::uncertainty {
 namespace {
 
-constexpr double kPlace = 0.15;             // pixels
+constexpr double kPlace = 0.15;            // pixels
 constexpr double kInverseDistance = 0.02;  // 1/R
 
 Eigen::Vector3d At(const std::array<std::vector<float>, 3>& plane, std::size_t i) {

@@ -1,5 +1,5 @@
-// What may be wrong of a light that was found from highlights in photographs: what neither noise nor
-// the surface's departures from its model tell.
+// What may be wrong of a light that was found from highlights in photographs: what neither noise
+// nor the surface's departures from its model tell.
 #pragma once
 
 #include <Eigen/Core>

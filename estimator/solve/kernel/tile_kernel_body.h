@@ -1,22 +1,10 @@
 // The tile kernel itself, in any precision. Included by its variants only (see lanes.h).
 #pragma once
 
-#include "estimator/solve/kernel/reflectance_terms.h"
+#include "estimator/solve/kernel/shading.h"
 
 namespace turnlight::estimator::solve::kernel {
 namespace {
-
-// What a block's lights add up to.
-template <typename Real>
-struct Shading {
-  using V = typename Lanes<Real>::V;
-  V diffuse, by_roughness;
-  V plain;  // the diffuse sum as its model alone has it
-  V specular[kMostLobes], by_shape[kMostLobes], by_f0[kMostLobes];
-  V ambient;
-  V harmonic[kHarmonics];  // their values, if the model has any
-  V departure;             // what the diffuse model is multiplied by
-};
 
 // A light as a block sees it.
 template <typename Real>
@@ -74,22 +62,6 @@ TURNLIGHT_INLINE void StoreLobeRows(double strength, bool add, const Block<Real>
     store(row + 1 + k,
           shiny ? ks * (cube * (lobe.gradient.Dot(e) - by_l * le) + by_parallax) : zero);
   }
-}
-
-// The ambient light of a block, and its departure from the diffuse model.
-template <typename Real>
-TURNLIGHT_INLINE void ShadeAmbient(const KernelModel& model, const Block<Real>& block,
-                                   Shading<Real>& shading) {
-  using L = Lanes<Real>;
-  shading.ambient = L::Splat(model.ambient);
-  if (!model.harmonics && !model.shades) return;
-  model::FillHarmonics<L>(block.normal.x, block.normal.y, block.normal.z, shading.harmonic);
-  for (int j = 0; model.harmonics && j < kHarmonics; ++j)
-    shading.ambient += L::Splat(model.harmonic[j]) * shading.harmonic[j];
-  if (!model.shades) return;
-  shading.departure = L::Splat(1.0);
-  for (int j = 0; j < kHarmonics; ++j)
-    shading.departure += L::Splat(model.shading[j]) * shading.harmonic[j];
 }
 
 template <typename Real, bool kJacobian>

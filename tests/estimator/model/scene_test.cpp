@@ -63,6 +63,16 @@ TEST(DiffuseTerm, LambertIsTheCosineAboveTheHorizon) {
 }
 
 // Oren and Nayar's equation in its own words: cos t_i (A + B max(0, cos dphi) sin alpha tan beta).
+TEST(DiffuseTerm, DepartsFromItsModelWithTheNormal) {
+  Reflectance reflectance;
+  reflectance.shading[2] = 0.1;   // sqrt(3) z
+  reflectance.shading[3] = -0.2;  // sqrt(15) x y
+  const Vector3d normal = Vector3d(1.0, 2.0, 2.0) / 3.0, light(0.0, 0.0, 1.0);
+  const double departure =
+      1.0 + 0.1 * std::sqrt(3.0) * 2.0 / 3.0 - 0.2 * std::sqrt(15.0) * 2.0 / 9.0;
+  EXPECT_NEAR(DiffuseTerm(reflectance, normal, light, normal), 2.0 / 3.0 * departure, 1e-15);
+}
+
 TEST(DiffuseTerm, OrenNayarIsThePublishedFormula) {
   Reflectance rough;
   rough.diffuse_model = DiffuseModel::kOrenNayar;

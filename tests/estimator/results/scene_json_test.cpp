@@ -180,12 +180,16 @@ TEST(SceneJson, FactorsAndHarmonicsRoundTrip) {
   model::Scene scene;
   scene.lights.resize(2);
   scene.lights[1].factors = {0.9, 1.05, 1.05};
-  for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.harmonics[j] = 0.01 * (j - 3);
+  for (int j = 0; j < model::kHarmonics; ++j) {
+    scene.reflectance.harmonics[j] = 0.01 * (j - 3);
+    scene.reflectance.shading[j] = 0.02 * (j - 5);
+  }
   const auto back = ParseScene(TruthToJson(scene), "t");
   ASSERT_TRUE(back) << back.error().text;
   EXPECT_TRUE(back->lights[0].factors.empty());
   EXPECT_EQ(back->lights[1].factors, scene.lights[1].factors);
   EXPECT_EQ(back->reflectance.harmonics, scene.reflectance.harmonics);
+  EXPECT_EQ(back->reflectance.shading, scene.reflectance.shading);
 }
 
 // A lobe without strength has no width: what is less than any lobe's is the least.

@@ -18,57 +18,31 @@
 #include "estimator/solve/kernel/tile_kernel.h"
 #include "estimator/solve/prediction.h"
 #include "tests/estimator/random_observations.h"
+#include "tests/estimator/solve/random_scene.h"
 #include "tests/estimator/textbook_reflectance.h"
 
 namespace turnlight::estimator::solve {
 namespace {
 
-constexpr int kLights = 2;
-constexpr int kMostColumns = 3 + 9 + 7 * kLights + 6 + model::kHarmonics;
+constexpr int kMostColumns = 3 + 9 + 7 * kRandomLights + 6 + 2 * model::kHarmonics;
 using Jet = ceres::Jet<double, kMostColumns>;
 using JetVector = Eigen::Matrix<Jet, 3, 1>;
 
-model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
-                         model::DiffuseModel diffuse) {
-  const RandomStream random(seed, 1);
-  model::Scene scene;
-  for (int l = 0; l < kLights; ++l) {
-    model::Light light;
-    light.direction = RandomUnit(random, 100 + static_cast<std::uint64_t>(l));
-    light.direction.z() = std::abs(light.direction.z());
-    light.inverse_distance = random.Uniform(10 + static_cast<std::uint64_t>(l), 0.0, 0.5);
-    light.intensity = random.Uniform(20 + static_cast<std::uint64_t>(l), 0.3, 1.0);
-    scene.lights.push_back(light);
-  }
-  model::Reflectance& r = scene.reflectance;
-  r.albedo = {random.Uniform(30), random.Uniform(31), random.Uniform(32)};
-  r.ambient = random.Uniform(33, 0.0, 0.3);
-  r.diffuse = random.Uniform(34, 0.2, 1.0);
-  r.lobes[0].strength = random.Uniform(35, 0.1, 0.6);
-  r.lobes[0].shape = std::exp(random.Uniform(36, std::log(2.0), std::log(300.0)));
-  r.lobes[0].model = specular;
-  if (model::FactsOf(specular).physical) {
-    r.lobes[0].shape = random.Uniform(36, 0.1, 0.8);
-    r.lobes[0].f0 = random.Uniform(38, 0.1, 0.9);
-  }
-  r.diffuse_model = diffuse;
-  r.roughness = random.Uniform(37, 0.1, 0.8);
-  return scene;
-}
-
-Jet JetAmbient(const model::Reflectance& r, const model::Parameters& columns,
-               const Eigen::Vector3d& normal) {
+std::array<Jet, 2> JetHarmonics(const model::Reflectance& r, const model::Parameters& columns,
+                                const Eigen::Vector3d& normal) {
   const auto variable = [](double value, int column) {
     return column < 0 ? Jet(value) : Jet(value, column);
   };
   const double x = normal.x(), y = normal.y(), z = normal.z();
   const double harmonics[] = {x, y, z, x * y, y * z, x * z, 3.0 * z * z - 1.0, x * x - y * y};
   const double squares[] = {3.0, 3.0, 3.0, 15.0, 15.0, 15.0, 1.25, 3.75};
-  Jet ambient = variable(r.ambient, columns.Ambient());
-  for (int j = 0; j < model::kHarmonics; ++j)
-    ambient +=
-        variable(r.harmonics[j], columns.Harmonic(j)) * (std::sqrt(squares[j]) * harmonics[j]);
-  return ambient;
+  std::array<Jet, 2> out{variable(r.ambient, columns.Ambient()), Jet(1.0)};
+  for (int j = 0; j < model::kHarmonics; ++j) {
+    const double value = std::sqrt(squares[j]) * harmonics[j];
+    out[0] += variable(r.harmonics[j], columns.Harmonic(j)) * value;
+    out[1] += variable(r.shading[j], columns.Shading(j)) * value;
+  }
+  return out;
 }
 
 // The model of one pixel in Jets: columns as in Parameters, tangent coordinates at zero.
@@ -78,12 +52,12 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
   const auto variable = [](double value, int column) {
     return column < 0 ? Jet(value) : Jet(value, column);
   };
-  const Jet ambient = JetAmbient(r, columns, point.normal);
+  const auto [ambient, departure] = JetHarmonics(r, columns, point.normal);
   const Jet diffuse = variable(r.diffuse, columns.Diffuse());
   const Jet variance = variable(r.roughness * r.roughness, columns.Roughness());
   const JetVector n = point.normal.cast<Jet>(), v = point.viewer.cast<Jet>();
   JetVector diffuse_sum = JetVector::Zero(), specular_sum = JetVector::Zero();
-  for (int l = 0; l < kLights; ++l) {
+  for (int l = 0; l < kRandomLights; ++l) {
     const model::Light& light = scene.lights[static_cast<std::size_t>(l)];
     const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(light.direction);
     const Jet t0 = variable(0.0, columns.Tangent(l)), t1 = variable(0.0, columns.Tangent(l) + 1);
@@ -97,7 +71,7 @@ std::array<Jet, 3> JetModel(const model::Scene& scene, const RandomPoint& point)
     const JetVector unit = u / sqrt(squared);
     if (n.dot(unit).a <= 0.0) continue;
     const Jet irradiance = intensity / squared;
-    const Jet f_d = textbook::Diffuse(r.diffuse_model, variance, n, unit, v);
+    const Jet f_d = departure * textbook::Diffuse(r.diffuse_model, variance, n, unit, v);
     Jet f_s(0.0);
     for (int k = 0; k < columns.lobes(); ++k) {
       const model::Lobe& lobe = r.lobes[static_cast<std::size_t>(k)];
@@ -258,47 +232,40 @@ TEST(Derivatives, OfTwoLobesColoursAndHarmonicsAgreeWithAutodiff) {
   }
 }
 
-// A pixel at white counts as one that is left out where the model is above it, and as any other
-// where it is below; in each channel by itself.
-TEST(OneSided, APixelAtWhiteCountsOnlyWhereTheModelIsBelow) {
-  const model::Scene scene =
-      RandomScene(4, model::SpecularModel::kPhong, model::DiffuseModel::kLambert);
-  RandomObservations all(700, 3, 8);
-  GiveWeights(3, all.observations);
-  observe::Observations& censored = all.observations;
-  censored.one_sided = true;
-  censored.at_white.assign(censored.size(), 0);
-  const Prediction model = Predict(censored, scene, {});
-  for (const double huber : {0.0, 0.1}) {
-    EvaluateOptions options;
-    options.huber = huber;
-    std::vector<observe::Observations> alone(3, censored);
-    for (std::size_t c = 0; c < 3; ++c) {
-      alone[c].channels = 1;
-      alone[c].one_sided = false;
-      alone[c].at_white.clear();
-      alone[c].radiance[0] = censored.radiance[c];
-      for (std::size_t i = 0; i < 700; ++i) {
-        if ((i + c) % 3 != 0) continue;
-        censored.at_white[i] |= static_cast<std::uint8_t>(1u << c);
-        if (model[c][i] > censored.radiance[c][i])
-          alone[c].pixel[i] = observe::Observations::kNoPixel;
-      }
-    }
-    const NormalEquations together = EvaluateDouble(censored, scene, options);
-    NormalEquations sum;
-    sum.gradient = Eigen::VectorXd::Zero(together.gradient.size() - 3);
-    for (int c = 0; c < 3; ++c) {
-      model::Scene grey = scene;
-      grey.reflectance.albedo.setConstant(scene.reflectance.albedo[c]);
-      const NormalEquations one = EvaluateDouble(alone[static_cast<std::size_t>(c)], grey, options);
-      sum.cost += one.cost;
-      sum.gradient += one.gradient.tail(sum.gradient.size());
-      EXPECT_NEAR(together.gradient[c], one.gradient[0], 1e-9 * std::abs(one.gradient[0]) + 1e-12);
-    }
-    EXPECT_NEAR(together.cost, sum.cost, 1e-9 * sum.cost);
-    EXPECT_LT((together.gradient.tail(sum.gradient.size()) - sum.gradient).norm(),
-              1e-9 * sum.gradient.norm());
+// A diffuse part that departs from its model, of each model.
+TEST(Derivatives, OfDeparturesAgreeWithAutodiff) {
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    SCOPED_TRACE(seed);
+    model::Scene scene =
+        RandomScene(seed, model::SpecularModel::kGgx, static_cast<model::DiffuseModel>(seed % 3));
+    scene.free_shading = true;
+    scene.free_harmonics = seed > 5;
+    for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.shading[j] = 0.03 * (4 - j);
+    RandomObservations all(300, 3, seed);
+    if (seed % 2 == 0) GiveWeights(seed, all.observations);
+    const Reference reference = ByJets(all, scene);
+    ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-5);
+    ExpectSame(Evaluate(all.observations, scene, {}), reference, 3e-5);
+  }
+}
+
+// What departures cost is a square in the cost, with its gradient and matrix.
+TEST(Prices, OfDeparturesAreASquare) {
+  model::Scene scene = RandomScene(2, model::SpecularModel::kPhong, model::DiffuseModel::kCoated);
+  scene.free_shading = true;
+  for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.shading[j] = 0.05 * (j - 2);
+  RandomObservations all(300, 3, 2);
+  EvaluateOptions priced;
+  priced.shading_price = 7.0;
+  const NormalEquations without = EvaluateDouble(all.observations, scene, {}),
+                        with = EvaluateDouble(all.observations, scene, priced);
+  EXPECT_NEAR(with.cost - without.cost, 3.5 * scene.reflectance.shading.squaredNorm(), 1e-9);
+  const model::Parameters columns(scene, 3);
+  for (int j = 0; j < model::kHarmonics; ++j) {
+    const int column = columns.Shading(j);
+    EXPECT_NEAR(with.gradient[column] - without.gradient[column],
+                7.0 * scene.reflectance.shading[j], 1e-9);
+    EXPECT_NEAR(with.hessian(column, column) - without.hessian(column, column), 7.0, 1e-9);
   }
 }
 
