@@ -94,6 +94,15 @@ struct Found {
   }
 };
 
+// What a photograph's lights are, refined; instead of what was found of the usual models.
+void TakePhotograph(const EstimateOptions& options, double views_per_distinct, Found& found) {
+  Photographed& photograph = **found.photograph;
+  found.ladder = photograph.lights.ladder;
+  found.refined =
+      select::RefinePhotograph(photograph.look.pixels, photograph.lights.scene, views_per_distinct,
+                               options.model, found.ladder, options.watch.stop);
+}
+
 // photograph (optional): what the pictures are beyond the usual models; where they are that it is
 // what is found, and there is nothing else.
 Found Search(const observe::Observations& all, double noise, const observe::IntensityMap& map,
@@ -104,7 +113,7 @@ Found Search(const observe::Observations& all, double noise, const observe::Inte
   start::Beyond beyond;
   if (photograph)
     beyond = [&](const start::Sample& sample) {
-      out.photograph = photograph(sample);
+      out.photograph = photograph(options.model, &sample);
       return !out.photograph || out.photograph->has_value();
     };
   start::Start start = StartOf(all, noise, map, options, beyond);
@@ -115,11 +124,8 @@ Found Search(const observe::Observations& all, double noise, const observe::Inte
     out.history.push_back({static_cast<int>(out.history.size()), all.radiance_unit * rms});
   out.start = std::move(start.scene);
   if (StopRequested(options.watch.stop) || !out.photograph) return out;
-  if (std::optional<Photographed>& found = *out.photograph) {
-    out.ladder = found->lights.ladder;
-    out.refined =
-        select::RefinePhotograph(found->look.pixels, found->lights.scene, views_per_distinct,
-                                 options.model, out.ladder, options.watch.stop);
+  if (out.of_photograph()) {
+    TakePhotograph(options, views_per_distinct, out);
     return out;
   }
   out.refined = select::Refine(all, out.start, noise, views_per_distinct, options.model, out.ladder,
@@ -171,6 +177,31 @@ void SearchAgain(const observe::Observations& all, double noise, const observe::
   found.ladder.push_back(std::move(rung));
 }
 
+// What no usual model explained is looked at as photographs.
+void LookAtHighlights(const observe::Observations& all, double noise,
+                      const EstimateOptions& options, double views_per_distinct,
+                      const PhotographAsked& photograph, Found& found) {
+  if (!Unexplained(select::Rms(all, found.refined.solution), noise)) return;
+  auto asked = photograph(options.model, nullptr);
+  if (asked && asked->has_value() && !LeavesLess(**asked, found.refined, all)) return;
+  found.photograph = std::move(asked);
+  if (found.of_photograph()) TakePhotograph(options, views_per_distinct, found);
+}
+
+// one_view: that no usual model explains it shows early; several may be explained by lights that
+// change or a light field.
+Found SearchAll(const observe::Observations& all, double noise, const observe::IntensityMap& map,
+                const EstimateOptions& options, double views_per_distinct,
+                const PhotographAsked& photograph, bool one_view) {
+  Found found = Search(all, noise, map, options, views_per_distinct,
+                       one_view ? photograph : PhotographAsked());
+  if (!StopRequested(options.watch.stop) && !found.of_photograph())
+    SearchAgain(all, noise, map, options, views_per_distinct, found);
+  if (!one_view && photograph && !StopRequested(options.watch.stop))
+    LookAtHighlights(all, noise, options, views_per_distinct, photograph, found);
+  return found;
+}
+
 // photograph: its lights, if the pictures were estimated as that.
 void TakeNotes(const observe::Observations& all, const Levels& levels,
                const model::ModelChoice& choice, const start::PhotographLights* photograph,
@@ -215,10 +246,9 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   const double views_per_distinct = CountViews(all, signatures, noise, estimate);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   const double before = stopwatch.Seconds();
-  Found found = Search(all, noise, used_map, options, views_per_distinct, photograph);
+  Found found =
+      SearchAll(all, noise, used_map, options, views_per_distinct, photograph, estimate.views == 1);
   if (!found.photograph) return Forward(found.photograph);
-  if (!StopRequested(options.watch.stop) && !found.of_photograph())
-    SearchAgain(all, noise, used_map, options, views_per_distinct, found);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   estimate.ladder = std::move(found.ladder);
   estimate.history = std::move(found.history);
@@ -268,8 +298,8 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
     };
   PhotographAsked photograph;
   if (!options.initial && !options.warm_start)
-    photograph = [&](const start::Sample& sample) {
-      return LookAtPhotographs(keyframes, geometry, rays, sample);
+    photograph = [&](const model::ModelChoice& choice, const start::Sample* sample) {
+      return LookAtPhotographs(keyframes, geometry, rays, choice, sample, options.watch.stop);
     };
   const std::vector<calib::RigPoses>& poses = keyframes.poses;
   Evidence evidence{observed->counts};

@@ -19,9 +19,10 @@ struct Photographed {
   start::PhotographLights lights;
 };
 
-// What the pictures are as photographs; nothing where they are none.
-using PhotographAsked =
-    std::function<Result<std::optional<Photographed>>(const start::Sample& sample)>;
+// What the pictures are as photographs; nothing where they are none. sample: of the usual search,
+// while it is open whether a usual model explains the pictures; null: none does.
+using PhotographAsked = std::function<Result<std::optional<Photographed>>(
+    const model::ModelChoice& choice, const start::Sample* sample)>;
 
 // Reads the keyframes once more. Nothing if there is no compact bright spot, if their lights leave
 // less than real surfaces do or far more, or if with them a usual model explains the pictures down
@@ -29,7 +30,13 @@ using PhotographAsked =
 Result<std::optional<Photographed>> LookAtPhotographs(const model::KeyframeSource& keyframes,
                                                       const target::Geometry& geometry,
                                                       const calib::RayGrid& rays,
-                                                      const start::Sample& sample);
+                                                      const model::ModelChoice& choice,
+                                                      const start::Sample* sample,
+                                                      const StopFlag* stop);
+
+// Whether a photograph's lights leave clearly less of it than a usual fit (of `fitted`) does.
+bool LeavesLess(const Photographed& photograph, const select::Refined& usual,
+                const observe::Observations& fitted);
 
 // A photograph's fit in the coordinates of other pixels of the same pictures, with the footprints
 // and shadows that they ask for: for maps and pictures.

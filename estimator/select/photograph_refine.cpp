@@ -39,27 +39,13 @@ std::vector<std::size_t> OwnOrder(std::size_t lights) {
   return order;
 }
 
-}  // namespace
-
-Refined RefinePhotograph(const observe::Observations& pixels, const model::Scene& start,
-                         double views_per_distinct, const model::ModelChoice& choice,
-                         std::vector<model::Rung>& ladder, const StopFlag* stop) {
-  Refined out;
-  const std::size_t lights = start.lights.size();
-  out.options = solve::PhotographSolveOptions(lights);
-  out.options.stop = stop;
-  out.views_per_distinct = views_per_distinct;
-  out.solution.scene = start;
-  SolveAs(pixels, out);
-  if (DropLobes(out.solution.scene.reflectance)) SolveAs(pixels, out);
-  if (StopRequested(stop)) return out;
-  Refined free = out;
-  free.options.fixed_distance.clear();
-  SolveAs(pixels, free);
-  if (StopRequested(stop)) return out;
+// Of the fit with free distances.
+void ChooseNear(const observe::Observations& pixels, const Refined& free,
+                const model::ModelChoice& choice, Refined& out, std::vector<model::Rung>& ladder) {
+  const std::size_t lights = free.solution.scene.lights.size();
   const auto order = OwnOrder(lights);
   const uncertainty::Uncertainties sigmas = uncertainty::EstimateUncertainty(
-      free.solution, pixels, order, views_per_distinct, free.splits);
+      free.solution, pixels, order, free.views_per_distinct, free.splits);
   const uncertainty::Reported reported = uncertainty::Report(free.solution.scene, pixels, order);
   out.near.assign(lights, false);
   for (std::size_t l = 0; l < lights; ++l) {
@@ -79,6 +65,27 @@ Refined RefinePhotograph(const observe::Observations& pixels, const model::Scene
              (choice.near ? "as asked for"
                           : Format("it counts from %.3g and 3 sigma", kMinInverseDistance))});
   }
+}
+
+}  // namespace
+
+Refined RefinePhotograph(const observe::Observations& pixels, const model::Scene& start,
+                         double views_per_distinct, const model::ModelChoice& choice,
+                         std::vector<model::Rung>& ladder, const StopFlag* stop) {
+  Refined out;
+  const std::size_t lights = start.lights.size();
+  out.options = solve::PhotographSolveOptions(lights);
+  out.options.stop = stop;
+  out.views_per_distinct = views_per_distinct;
+  out.solution.scene = start;
+  SolveAs(pixels, out);
+  if (DropLobes(out.solution.scene.reflectance)) SolveAs(pixels, out);
+  if (StopRequested(stop)) return out;
+  Refined free = out;
+  free.options.fixed_distance.clear();
+  SolveAs(pixels, free);
+  if (StopRequested(stop)) return out;
+  ChooseNear(pixels, free, choice, out, ladder);
   bool changed = false;
   for (std::size_t l = 0; l < lights; ++l) {
     model::Light& light = out.solution.scene.lights[l];

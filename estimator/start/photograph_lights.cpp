@@ -334,6 +334,12 @@ Fit ChooseSurface(const PhotographSearch& search, const Fit& coated,
 
 }  // namespace
 
+double MisfitOf(const Observations& pixels, const solve::Solution& solution) {
+  return 2.0 * solution.equations.cost /
+         (observe::kWeighedSigma * observe::kWeighedSigma *
+          solve::ValueCount(pixels, solution.evaluate));
+}
+
 PhotographLights FindPhotographLights(const Photograph& photograph,
                                       const model::ModelChoice& choice, const StopFlag* stop) {
   const PhotographSearch search{photograph, stop};

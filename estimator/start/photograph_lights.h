@@ -13,7 +13,7 @@
 #include "estimator/model/rung.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/photograph.h"
-#include "estimator/solve/shadows.h"
+#include "estimator/solve/solver.h"
 
 namespace turnlight::estimator::start {
 
@@ -26,6 +26,9 @@ struct PhotographLights {
   // most of those that were not. Both near 1: their number is open.
   double least_kept = 0.0, most_dropped = 0.0;
 };
+
+// Mean square of a solution's residuals, in the sigmas that the pixels were given.
+double MisfitOf(const observe::Observations& pixels, const solve::Solution& solution);
 
 // There must be spots. With stop set it ends soon, with what is of no use.
 PhotographLights FindPhotographLights(const observe::Photograph& photograph,

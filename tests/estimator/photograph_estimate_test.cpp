@@ -45,7 +45,8 @@ TEST(PhotographEstimate, OfASurfaceThatNoModelExplains) {
 
 TEST(PhotographEstimate, IsNotOfRenderings) {
   model::Scene scene = GlossyScene(kTwo);
-  scene.reflectance.lobes = {model::Lobe{model::SpecularModel::kGgx, 0.05, 0.2, 1.0}, model::Lobe{}};
+  scene.reflectance.lobes = {model::Lobe{model::SpecularModel::kGgx, 0.05, 0.2, 1.0},
+                             model::Lobe{}};
   const Estimate estimate = Estimated(PhotographBall(scene, 3, 0.0)).estimate;
   EXPECT_FALSE(Has(estimate, "photograph"));
   EXPECT_TRUE(estimate.reflectance.shading.isZero(0.0));
@@ -60,7 +61,8 @@ TEST(PhotographEstimate, IsNotOfAMatteSurface) {
 TEST(PhotographEstimate, IsNotWhereOtherModelsAreAskedFor) {
   EstimateOptions options;
   options.model.specular = model::SpecularModel::kNone;
-  EXPECT_FALSE(Has(Estimated(PhotographBall(GlossyScene(kTwo), 1, 0.05), options).estimate, "photograph"));
+  EXPECT_FALSE(
+      Has(Estimated(PhotographBall(GlossyScene(kTwo), 1, 0.05), options).estimate, "photograph"));
 }
 
 }  // namespace

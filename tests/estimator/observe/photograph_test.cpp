@@ -45,8 +45,7 @@ TEST(TakePhotograph, KeepsClippedPixelsAsThisOrMore) {
   EXPECT_GT(clipped, 5u);
   EXPECT_EQ(photograph.spots.size(), 2u);
   // Elsewhere they are left out.
-  const Observations usual =
-      BuildObservations(Ball().keyframes, Ball().geometry, Ball().rays);
+  const Observations usual = BuildObservations(Ball().keyframes, Ball().geometry, Ball().rays);
   for (const std::uint32_t pixel : usual.pixel)
     EXPECT_TRUE(pixel == Observations::kNoPixel ||
                 Ball().keyframes[0].image.saturated.data[pixel] == 0);
@@ -68,8 +67,7 @@ TEST(TakePhotograph, CountsTheRestByArea) {
   const auto information = [](const Observations& pixels) {
     double sum = 0.0;
     for (std::size_t i = 0; i < pixels.size(); ++i)
-      if (pixels.pixel[i] != Observations::kNoPixel &&
-          (pixels.at_white[i] & kInHighlight) == 0)
+      if (pixels.pixel[i] != Observations::kNoPixel && (pixels.at_white[i] & kInHighlight) == 0)
         sum += std::pow(pixels.WeightOf(i), 2);
     return sum;
   };
@@ -78,8 +76,7 @@ TEST(TakePhotograph, CountsTheRestByArea) {
 
 TEST(TakePhotograph, WeighsByShares) {
   PhotographBall dark(GlossyScene({{0.9, 0.3, 0.3}, {0.7, -0.6, 0.3}}));
-  for (model::Keyframe& keyframe : dark.keyframes)
-    keyframe.image.radiance *= std::exp2(-12.0);
+  for (model::Keyframe& keyframe : dark.keyframes) keyframe.image.radiance *= std::exp2(-12.0);
   const Photograph usual = Take(Ball()), same = Take(dark);
   EXPECT_EQ(same.pixels.radiance_unit, std::exp2(-12.0) * usual.pixels.radiance_unit);
   EXPECT_EQ(same.pixels.weight, usual.pixels.weight);

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/uncertainty/uncertainty.h"
 #include "estimator/start/photograph_lights.h"
+#include "estimator/uncertainty/uncertainty.h"
 #include "tests/estimator/photograph_ball.h"
 
 namespace turnlight::estimator::select {

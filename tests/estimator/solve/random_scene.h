@@ -12,7 +12,7 @@ namespace turnlight::estimator::solve {
 inline constexpr int kRandomLights = 2;
 
 inline model::Scene RandomScene(std::uint64_t seed, model::SpecularModel specular,
-                         model::DiffuseModel diffuse) {
+                                model::DiffuseModel diffuse) {
   const RandomStream random(seed, 1);
   model::Scene scene;
   for (int l = 0; l < kRandomLights; ++l) {

@@ -27,7 +27,8 @@ bool Explained(const model::Scene& scene, double texture, int views = 4) {
 
 model::Scene OneLobe(model::SpecularModel lobe) {
   model::Scene scene = GlossyScene(kTwo);
-  scene.reflectance.lobes = {model::Lobe{model::SpecularModel::kGgx, 0.05, 0.2, 1.0}, model::Lobe{}};
+  scene.reflectance.lobes = {model::Lobe{model::SpecularModel::kGgx, 0.05, 0.2, 1.0},
+                             model::Lobe{}};
   model::SetLobeModel(scene.reflectance, lobe);
   return scene;
 }

@@ -11,8 +11,7 @@ namespace {
 
 TEST(ErrorsOfHighlights, AreThoseOfABall) {
   const PhotographBall ball(GlossyScene({{1.0, 0.0, 0.0}}));
-  observe::Observations all =
-      observe::BuildObservations(ball.keyframes, ball.geometry, ball.rays);
+  observe::Observations all = observe::BuildObservations(ball.keyframes, ball.geometry, ball.rays);
   model::Scene scene = GlossyScene({{1.0, 0.0, 0.0}, {0.6, 0.8, 0.0}});
   const PhotographErrors errors = ErrorsOfHighlights(all, scene);
   // In the middle a pixel is 7.4 / 420 wide, and the mirrored view turns by twice the normal, and
