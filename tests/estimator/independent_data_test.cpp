@@ -177,5 +177,35 @@ TEST(PhotographTest, OneLightEachWithinTwoDegreesInTheMean) {
   EXPECT_LE(sum / 6.0, 2.0);
 }
 
+// Of a glossy ball, clipped: the truth is good to 0.4 degree, 1.0 at worst.
+TEST(PhotographTest, EveryLightOfAGlossyBallByItsHighlight) {
+  double sum = 0.0;
+  int lights = 0;
+  for (const char* name : {"single_003", "single_047", "single_091", "sum2_003_067", "sum2_079_083",
+                           "sum3_011_039_043", "sum4_019_047_059_079"}) {
+    SCOPED_TRACE(name);
+    const std::string folder = std::string("diligent_ball/") + name;
+    if (Missing(folder)) GTEST_SKIP() << "no shared data " << Folder(folder);
+    const Data data = Load(folder);
+    const auto truth = results::ParseInitialGuess(data.truth, "truth.json");
+    ASSERT_TRUE(truth);
+    const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
+                                      calib::RayGrid(*data.session.camera), {});
+    ASSERT_TRUE(output) << output.error().text;
+    ASSERT_EQ(output->estimate.lights.size(), truth->lights.size());
+    for (const LightEstimate& light : output->estimate.lights) {
+      double error = 180.0;
+      for (const auto& other : truth->lights)
+        error = std::min(error, AngleDeg(light.light.direction, other.direction.normalized()));
+      EXPECT_LE(error, 1.3);
+      EXPECT_LE(RadToDeg(light.direction_sigma), 0.8);
+      EXPECT_FALSE(light.distance);
+      sum += error;
+      ++lights;
+    }
+  }
+  EXPECT_LE(sum / lights, 0.5);
+}
+
 }  // namespace
 }  // namespace turnlight::estimator
