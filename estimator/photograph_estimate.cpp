@@ -13,8 +13,9 @@ namespace {
 
 // Mean square of what is left, in the sigmas that are expected of real surfaces: there 0.3 to 3.
 // What leaves less is a rendering, and of what leaves more the spots are no highlights.
-constexpr double kLeastMisfit = 0.15, kMostMisfit = 6.0;
-constexpr double kClearly = 1.25;  // in mean square
+constexpr double kLeastMisfit = 0.15, kMostMisfit = 3.0;
+constexpr double kMostDepartures = 0.7;  // of the diffuse part; more is another surface
+constexpr double kClearly = 1.25;        // in mean square
 
 // What is asked for that photographs are not fitted with.
 bool IsOpen(const model::ModelChoice& choice) {
@@ -38,7 +39,8 @@ Result<std::optional<Photographed>> LookAtPhotographs(const model::KeyframeSourc
   if (look->spots.empty() || look->pixels.used == 0) return std::optional<Photographed>();
   start::PhotographLights lights = start::FindPhotographLights(*look, choice, stop);
   if (StopRequested(stop)) return InterruptedError();
-  if (!(lights.misfit > kLeastMisfit && lights.misfit < kMostMisfit))
+  if (!(lights.misfit > kLeastMisfit && lights.misfit < kMostMisfit) || lights.strays > 0 ||
+      lights.scene.reflectance.shading.norm() > kMostDepartures)
     return std::optional<Photographed>();
   if (sample != nullptr &&
       start::UsualModelsExplain(

@@ -25,7 +25,7 @@ constexpr double kSharpAlpha = 0.03, kBroadAlpha = 0.2;
 constexpr double kSharpPeak = 0.5, kBroadPeak = 0.05;  // of the diffuse part, at the start
 constexpr int kHeldIterations = 6, kFitIterations = 40, kFewIterations = 8;
 constexpr double kTolerance = 1e-6, kRoughly = 1e-4;
-constexpr double kMergeDeg = 5.0, kApartDeg = 6.0;
+constexpr double kMergeDeg = 5.0, kApartDeg = 6.0, kStrayDeg = 10.0;
 constexpr std::size_t kWeakest = 4, kHottest = 60, kMostTried = 3, kMostStarts = 24;
 constexpr int kRounds = 3;
 // The price of a light: a view's independent pixels times the logarithm of what the misfit grows by
@@ -177,6 +177,7 @@ std::string Told(const model::Light& light, const Worth& worth) {
 // What was decided of lights, and by how much.
 struct Decisions {
   std::vector<model::Rung> ladder;
+  std::size_t added = 0;
   double least_kept = std::numeric_limits<double>::infinity(), most_dropped = 0.0;
 };
 
@@ -284,6 +285,7 @@ Fit Add(const PhotographSearch& search, Fit fit, std::optional<int> wanted, Deci
       break;
     }
     decisions.ladder.push_back({"highlight light", true, Told(best->scene.lights.back(), most)});
+    ++decisions.added;
     fit = search.Refit(*best, kFitIterations, kTolerance);
   }
   return fit;
@@ -308,6 +310,19 @@ model::Scene FirstScene(const Photograph& photograph, const model::ModelChoice& 
   r.lobes[0] = lobe(kSharpAlpha, kSharpPeak);
   if (choice.lobes != 1 && r.lobes[0].present()) r.lobes[1] = lobe(kBroadAlpha, kBroadPeak);
   return scene;
+}
+
+// Lights beside all spots, but for as many as came from elsewhere.
+std::size_t StraysOf(const model::Scene& scene, const std::vector<observe::SpotCluster>& spots,
+                     std::size_t added) {
+  const double cosine = std::cos(DegToRad(kStrayDeg));
+  const auto beside = static_cast<std::size_t>(
+      std::count_if(scene.lights.begin(), scene.lights.end(), [&](const model::Light& light) {
+        return std::none_of(spots.begin(), spots.end(), [&](const observe::SpotCluster& spot) {
+          return spot.direction.dot(light.direction) > cosine;
+        });
+      }));
+  return beside > added ? beside - added : 0;
 }
 
 void PutSharperFirst(model::Reflectance& r) {
@@ -364,6 +379,7 @@ PhotographLights FindPhotographLights(const Photograph& photograph,
   out.most_dropped = decisions.most_dropped;
   if (!choice.diffuse) fit = ChooseSurface(search, fit, out.ladder);
   PutSharperFirst(fit.scene.reflectance);
+  out.strays = StraysOf(fit.scene, photograph.spots, decisions.added);
   out.misfit = search.Misfit(fit);
   out.scene = std::move(fit.scene);
   out.shadows = std::move(fit.shadows);

@@ -6,6 +6,7 @@
 // where its own highlight is.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "base/stop_flag.h"
@@ -25,6 +26,9 @@ struct PhotographLights {
   // What lights are worth, of their price: the least of those that were kept beside others, and the
   // most of those that were not. Both near 1: their number is open.
   double least_kept = 0.0, most_dropped = 0.0;
+  // Lights that left the spots that they came from by more than 10 degrees: those spots are dirt or
+  // texture, and not highlights.
+  std::size_t strays = 0;
 };
 
 // Mean square of a solution's residuals, in the sigmas that the pixels were given.
