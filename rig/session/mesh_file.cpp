@@ -62,7 +62,7 @@ calib::MeshShape WithCornerNormals(TriangleMesh mesh) {
       face[k] = corner.vertex;
       if (first[vertex] == corner.normal) continue;
       const Eigen::Vector3d normal =
-          mesh.normals[static_cast<std::size_t>(corner.normal)].stableNormalized();
+          UnitAlong(mesh.normals[static_cast<std::size_t>(corner.normal)]);
       if (first[vertex] < 0) {
         first[vertex] = corner.normal;
         shape.normals[vertex] = normal;

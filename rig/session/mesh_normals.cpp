@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "rig/session/vertex_normals.h"
+
 namespace turnlight::rig {
 namespace {
 
@@ -38,7 +40,7 @@ bool IsAgainstNormals(const TriangleMesh& mesh, const TriangleMesh::Triangle& tr
   Vector3d sum = Vector3d::Zero();
   for (const PolygonMesh::Corner& corner : triangle) {
     if (corner.normal < 0) return false;
-    sum += mesh.normals[static_cast<std::size_t>(corner.normal)].stableNormalized();
+    sum += UnitAlong(mesh.normals[static_cast<std::size_t>(corner.normal)]);
   }
   return AreaVectorOf(mesh, triangle).dot(sum) < 0.0;
 }

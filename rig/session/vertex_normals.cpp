@@ -35,7 +35,7 @@ class Smoother {
       : place_(Weld(vertices)), shape_{std::move(vertices), {}, std::move(faces)} {
     face_normals_.reserve(shape_.faces.size());
     for (const Eigen::Vector3i& face : shape_.faces)
-      face_normals_.push_back(FaceAreaVector(shape_.vertices, face).stableNormalized());
+      face_normals_.push_back(UnitAlong(FaceAreaVector(shape_.vertices, face)));
   }
 
   calib::MeshShape Run() {
@@ -135,7 +135,7 @@ class Smoother {
   }
   // A ring of faces can turn all the way round; any normal of it then serves as well.
   Eigen::Vector3d MeanOf(std::size_t group, const Corner& corner) const {
-    const Eigen::Vector3d normal = sums_[group].stableNormalized();
+    const Eigen::Vector3d normal = UnitAlong(sums_[group]);
     return normal.isZero() ? NormalOf(corner) : normal;
   }
 
@@ -157,6 +157,14 @@ class Smoother {
 };
 
 }  // namespace
+
+Eigen::Vector3d UnitAlong(const Eigen::Vector3d& v) {
+  constexpr double kHardlyNormal = 1e-290;
+  const double largest = v.cwiseAbs().maxCoeff();
+  // Its length would be rounded as coarsely as it is.
+  if (largest > 0.0 && largest < kHardlyNormal) return (v / largest).normalized();
+  return v.stableNormalized();
+}
 
 Eigen::Vector3d FaceAreaVector(const std::vector<Eigen::Vector3d>& vertices,
                                const Eigen::Vector3i& face) {

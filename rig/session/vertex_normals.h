@@ -18,6 +18,10 @@ namespace turnlight::rig {
 calib::MeshShape WithVertexNormals(std::vector<Eigen::Vector3d> vertices,
                                    std::vector<Eigen::Vector3i> faces);
 
+// The unit vector along v, however small or large v is: also of numbers that are not normal, which
+// have fewer digits. Zero of zero.
+Eigen::Vector3d UnitAlong(const Eigen::Vector3d& v);
+
 // The unnormalised normal of a face: twice its area, counter-clockwise seen from its tip.
 Eigen::Vector3d FaceAreaVector(const std::vector<Eigen::Vector3d>& vertices,
                                const Eigen::Vector3i& face);

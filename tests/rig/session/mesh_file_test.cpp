@@ -107,6 +107,17 @@ TEST(MeshFile, CubeHasTheNormalsOfItsFaces) {
   }
 }
 
+// Areas below what a double has all its digits for.
+TEST(MeshFile, NormalsOfTinyFacesAreUnit) {
+  for (const char* size : {"1e-155", "1e-160", "2.5e-161"}) {
+    const std::string text = std::string("v 0 0 0\nv ") + size + " 0 0\nv 0 " + size + " " + size +
+                             "\nv 0 0 " + size + "\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    const auto mesh = ParseMesh(text, "tiny.obj");
+    ASSERT_TRUE(mesh) << mesh.error().text;
+    for (const Eigen::Vector3d& normal : mesh->normals) EXPECT_NEAR(normal.norm(), 1.0, 1e-14);
+  }
+}
+
 TEST(MeshFile, FineSphereHasRadialNormals) {
   const Polygons polygons = Sphere(99, 200);
   const auto sphere = Parsed(Obj(polygons), "sphere.obj");
