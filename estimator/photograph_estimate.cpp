@@ -56,7 +56,7 @@ bool LeavesLess(const Photographed& photograph, const select::Refined& usual,
   options.max_iterations = 0;
   const solve::Solution there = solve::SolveSettled(
       pixels, solve::ToSolver(solve::ToWorld(usual.solution.scene, fitted), pixels), options, 1);
-  return photograph.lights.misfit * kClearly < start::MisfitOf(pixels, there);
+  return photograph.lights.misfit * kClearly < start::MisfitOf(pixels, there.equations.cost);
 }
 
 select::Refined OnOtherPixels(const select::Refined& refined, const observe::Observations& fitted,

@@ -56,23 +56,6 @@ Reduced Reduce(const cv::Mat1f& grey, const cv::Mat1b& inside) {
   return out;
 }
 
-cv::Mat1f Blurred(const cv::Mat1f& of, double sigma) {
-  cv::Mat1f out;
-  cv::GaussianBlur(of, out, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
-  return out;
-}
-
-// Gaussian means over what is inside.
-struct Mean {
-  cv::Mat1f value, weight;
-
-  Mean(const Reduced& picture, double sigma)
-      : value(Blurred(picture.value.mul(picture.inside), sigma)),
-        weight(Blurred(picture.inside, sigma)) {
-    value /= cv::max(weight, 1e-6f);
-  }
-};
-
 struct Peak {
   cv::Point at;
   double scale, surround, contrast, sigmas;
@@ -82,14 +65,14 @@ struct Peak {
 // edge, where what gets brighter outwards ends.
 void AddPeaks(const Reduced& picture, double scale, double brightest, double noise,
               std::vector<Peak>& peaks) {
-  const Mean centre(picture, scale), around(picture, kSurround * scale);
-  const cv::Mat1f difference = centre.value - around.value;
+  cv::Mat1f weight;
+  const cv::Mat1f around = MeanInside(picture.value, picture.inside, kSurround * scale, &weight);
+  const cv::Mat1f difference = MeanInside(picture.value, picture.inside, scale) - around;
   for (int y = 1; y + 1 < difference.rows; ++y)
     for (int x = 1; x + 1 < difference.cols; ++x) {
-      if (picture.inside(y, x) < 0.5f || around.weight(y, x) < static_cast<float>(kLeastInside))
-        continue;
+      if (picture.inside(y, x) < 0.5f || weight(y, x) < static_cast<float>(kLeastInside)) continue;
       const double value = difference(y, x);
-      const double surround = std::max(static_cast<double>(around.value(y, x)), 0.0);
+      const double surround = std::max(static_cast<double>(around(y, x)), 0.0);
       const double sigma = std::hypot(kFloor * brightest, kTexture * surround, noise);
       if (!(value > kLeastContrast * surround) || !(value > kLeastSigmas * sigma)) continue;
       bool largest = true;
@@ -165,6 +148,18 @@ cv::Mat1f GreyOf(const cv::Mat& radiance) {
   return grey;
 }
 
+cv::Mat1f MeanInside(const cv::Mat1f& value, const cv::Mat1f& inside, double sigma,
+                     cv::Mat1f* weight) {
+  const auto blurred = [sigma](const cv::Mat1f& of) {
+    cv::Mat1f out;
+    cv::GaussianBlur(of, out, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
+    return out;
+  };
+  const cv::Mat1f share = blurred(inside);
+  if (weight != nullptr) *weight = share;
+  return blurred(value.mul(inside)) / cv::max(share, 1e-6f);
+}
+
 double NoiseOf(const cv::Mat1f& grey, const cv::Mat1b& inside) {
   std::vector<float> differences;
   for (int y = 0; y < grey.rows; ++y)
@@ -182,8 +177,8 @@ std::vector<Spot> FindSpots(const model::Keyframe& keyframe, std::size_t index,
   std::vector<Spot> out;
   if (picture.value.empty()) return out;
   double brightest = 0.0;
-  cv::minMaxLoc(Mean(picture, kScales[0]).value, nullptr, &brightest, nullptr, nullptr,
-                picture.inside > 0.5);
+  cv::minMaxLoc(MeanInside(picture.value, picture.inside, kScales[0]), nullptr, &brightest, nullptr,
+                nullptr, picture.inside > 0.5);
   const double noise = NoiseOf(picture.value, picture.inside > 0.5f);
   std::vector<Peak> peaks;
   const double widest = kWidestScale * std::max(picture.value.cols, picture.value.rows);

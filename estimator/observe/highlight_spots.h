@@ -26,6 +26,11 @@ struct Spot {
 // The mean of the channels; 0 where a value is not finite.
 cv::Mat1f GreyOf(const cv::Mat& radiance);
 
+// The mean of what is inside, weighed by a Gaussian of `sigma` pixels. inside: each pixel's share;
+// weight (optional): the Gaussian's share that is inside.
+cv::Mat1f MeanInside(const cv::Mat1f& value, const cv::Mat1f& inside, double sigma,
+                     cv::Mat1f* weight = nullptr);
+
 // Standard deviation of the noise of a picture's pixels, by the median second difference along
 // rows.
 double NoiseOf(const cv::Mat1f& grey, const cv::Mat1b& inside);

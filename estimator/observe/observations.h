@@ -49,7 +49,8 @@ struct Observations {
   bool weighted = false;
   std::vector<float> variance, weight;
   // Of each pixel, bit c: its radiance in channel c is at white, so that it was this or more; the
-  // residual there is one-sided in the normal equations. Empty: no pixel's is.
+  // residual there is one-sided in the normal equations; bit 7: it is in a highlight
+  // (photograph.h). Empty: no pixel's is.
   bool one_sided = false;
   std::vector<std::uint8_t> at_white;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad

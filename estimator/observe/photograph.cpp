@@ -33,16 +33,11 @@ cv::Mat1b HighlightsOf(const cv::Mat1f& grey, const cv::Mat1b& inside, const cv:
                        double noise) {
   cv::Mat1f share;
   inside.convertTo(share, CV_32F, 1.0 / 255.0);
-  const auto mean = [&](double sigma) {
-    cv::Mat1f value, weight;
-    cv::GaussianBlur(grey.mul(share), value, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
-    cv::GaussianBlur(share, weight, cv::Size(), sigma, sigma, cv::BORDER_CONSTANT);
-    return cv::Mat1f(value / cv::max(weight, 1e-6f));
-  };
   cv::Mat1b bright(grey.size(), std::uint8_t{0});
   for (const double scale : {1.0, kScale, 2.0 * kScale}) {
-    const cv::Mat1f around = mean(kSurround * scale);
-    bright |= (mean(scale) - around) > cv::max(kContrast * around, kAboveNoise * noise);
+    const cv::Mat1f around = MeanInside(grey, share, kSurround * scale);
+    bright |= (MeanInside(grey, share, scale) - around) >
+              cv::max(kContrast * around, kAboveNoise * noise);
   }
   return (Grown(bright, kGrown) | Grown(clipped, kGrownClipped)) & inside;
 }
@@ -91,21 +86,42 @@ Planes PlanesOf(const model::Keyframe& keyframe, const cv::Mat1b& inside, double
   return out;
 }
 
-// Pixels outside highlights of which only one in `one_in` is taken, which counts for all of them.
-void Thin(double one_in, std::uint64_t stream, const KeyframeTracer& tracer, double correlated,
-          Planes& planes, cv::Mat1b& left_out) {
+// Of so many pixels at most `most` in all keyframes: one in how many is taken.
+double OneIn(std::size_t count, std::size_t keyframes, std::size_t most) {
+  return std::max(
+      static_cast<double>(count * keyframes) / static_cast<double>(std::max<std::size_t>(most, 1)),
+      1.0);
+}
+
+// Takes some of the pixels, those that count together for what they leave out; of highlights each
+// counts for itself. Gives how many independent pixels are taken.
+double Thin(const PhotographOptions& options, std::uint64_t stream, std::size_t keyframes,
+            KeyframeTracer& tracer, Planes& planes) {
+  std::size_t shaded = 0, bright = 0;
+  const auto is_bright = [&](int y, int x) { return (planes.marks(y, x) & kInHighlight) != 0; };
+  const cv::Mat1b& flags = tracer.flags();
+  for (int y = 0; y < flags.rows; ++y)
+    for (int x = 0; x < flags.cols; ++x)
+      if (flags(y, x) == 0) ++(is_bright(y, x) ? bright : shaded);
+  const double one_shaded = OneIn(shaded, keyframes, options.most_shaded),
+               one_bright = OneIn(bright, keyframes, options.most_bright);
+  const double counts = std::min(one_shaded, options.correlated);
   const RandomStream random(1, stream);
-  const double counts = std::min(one_in, correlated);
-  for (int y = 0; y < left_out.rows; ++y)
-    for (int x = 0; x < left_out.cols; ++x) {
-      if (tracer.flags()(y, x) != 0 || (planes.marks(y, x) & kInHighlight) != 0) continue;
-      const auto at = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(left_out.cols) +
+  cv::Mat1b left_out(flags.size(), std::uint8_t{0});
+  for (int y = 0; y < flags.rows; ++y)
+    for (int x = 0; x < flags.cols; ++x) {
+      if (flags(y, x) != 0) continue;
+      const bool in_highlight = is_bright(y, x);
+      const auto at = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(flags.cols) +
                       static_cast<std::uint64_t>(x);
-      if (random.Uniform(at) * one_in < 1.0)
-        planes.variance(y, x) /= static_cast<float>(counts);
-      else
+      if (random.Uniform(at) * (in_highlight ? one_bright : one_shaded) >= 1.0)
         left_out(y, x) = 255;
+      else if (!in_highlight)
+        planes.variance(y, x) /= static_cast<float>(counts);
     }
+  tracer.LeaveOut(left_out);
+  return static_cast<double>(bright) / one_bright +
+         static_cast<double>(shaded) / one_shaded * counts / options.correlated;
 }
 
 // Weights by the variances, and how many pixels they make.
@@ -130,21 +146,7 @@ Result<Photograph> TakePhotograph(const model::KeyframeSource& keyframes,
     const cv::Mat1b inside = (tracer.flags() & (kOffTarget | kSilhouette | kGrazing)) == 0;
     for (Spot& spot : FindSpots(keyframe, k, inside, geometry, rays)) spots.push_back(spot);
     Planes planes = PlanesOf(keyframe, inside, options.correlated);
-    std::size_t shaded = 0, bright = 0;
-    for (int y = 0; y < inside.rows; ++y)
-      for (int x = 0; x < inside.cols; ++x)
-        if (tracer.flags()(y, x) == 0)
-          ++((planes.marks(y, x) & kInHighlight) != 0 ? bright : shaded);
-    const double one_in =
-        std::max(static_cast<double>(shaded * keyframes.size()) /
-                     static_cast<double>(std::max<std::size_t>(options.most_shaded, 1)),
-                 1.0);
-    cv::Mat1b left_out(inside.size(), std::uint8_t{0});
-    if (one_in > 1.0) Thin(one_in, k, tracer, options.correlated, planes, left_out);
-    tracer.LeaveOut(left_out);
-    independent += static_cast<double>(bright) + static_cast<double>(shaded) / one_in *
-                                                     std::min(one_in, options.correlated) /
-                                                     options.correlated;
+    independent += Thin(options, k, keyframes.size(), tracer, planes);
     model::Keyframe weighed = keyframe;
     weighed.image.variance = planes.variance;
     builder.Add(weighed, tracer, &planes.marks);

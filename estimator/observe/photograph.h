@@ -31,8 +31,9 @@ inline constexpr double kWeighedSigma = 0.01;
 // what half a pixel's shift changes; of clipped pixels and beside them, as charge spills over, at
 // least 15 % of y. Outside highlights all of it goes together over an area of `correlated` pixels.
 struct PhotographOptions {
-  double correlated = 33.0;        // pixels
-  std::size_t most_shaded = 3000;  // pixels outside highlights; of more, so many are taken
+  double correlated = 33.0;  // pixels
+  // Pixels that are taken, outside highlights and in them; of more, so many.
+  std::size_t most_shaded = 3000, most_bright = 100000;
   const StopFlag* stop = nullptr;
 };
 

@@ -13,9 +13,8 @@
 namespace turnlight::estimator::select {
 namespace {
 
-// Departures of higher orders than are fitted, and of each light its own: of sums of photographs of
-// a ball, inverse distances were off by up to six times
-// their statistical sigmas.
+// The statistical sigma knows nothing of departures of higher orders than are fitted, nor of those
+// that each light has for itself.
 constexpr double kMoreDepartures = 4.0;
 constexpr double kLeastPeak = 1e-4;  // of the brightest highlight: a lobe that is there
 

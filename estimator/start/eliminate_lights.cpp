@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 #include <utility>
-#include <vector>
 
 namespace turnlight::estimator::start {
 namespace {
@@ -14,14 +13,8 @@ constexpr double kHardlyMissed = 1.2;      // of the excess variance: no need to
 
 // The best fit without one of the weakest four lights; the first that is hardly missed will do.
 Candidate BestWithoutOne(const Sample& sample, const Candidate& full, double noise) {
-  std::vector<std::size_t> order(full.scene.lights.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return model::Strength(full.scene.lights[a]) < model::Strength(full.scene.lights[b]);
-  });
-  order.resize(std::min<std::size_t>(order.size(), 4));
   std::optional<Candidate> best;
-  for (const std::size_t index : order) {
+  for (const std::size_t index : WeakestLights(full.scene, 4)) {
     Candidate start = full;
     start.scene.lights.erase(start.scene.lights.begin() + static_cast<std::ptrdiff_t>(index));
     Candidate candidate = Refit(sample, start, 20, noise, kToCompare);
@@ -32,6 +25,16 @@ Candidate BestWithoutOne(const Sample& sample, const Candidate& full, double noi
 }
 
 }  // namespace
+
+std::vector<std::size_t> WeakestLights(const model::Scene& scene, std::size_t most) {
+  std::vector<std::size_t> order(scene.lights.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return model::Strength(scene.lights[a]) < model::Strength(scene.lights[b]);
+  });
+  order.resize(std::min(order.size(), most));
+  return order;
+}
 
 Candidate Eliminate(const Sample& sample, const Candidate& fitted) {
   Candidate best = Refit(sample, fitted, 40, sample.noise, kToKeep);

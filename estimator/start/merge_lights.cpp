@@ -45,27 +45,30 @@ bool MergeAndPrune(model::Scene& scene, std::size_t least) {
     if (!(model::Strength(*weakest) < kNegligibleShare * total)) break;
     lights.erase(weakest);
   }
-  const double cosine = std::cos(MergeAngle(scene.reflectance));
-  for (bool merged = true; merged && lights.size() > least;) {
-    merged = false;
-    std::size_t a = 0, b = 0;
-    double closest = cosine;
-    for (std::size_t i = 0; i < lights.size(); ++i)
-      for (std::size_t j = i + 1; j < lights.size(); ++j)
-        if (lights[i].direction.dot(lights[j].direction) > closest) {
-          closest = lights[i].direction.dot(lights[j].direction);
-          a = i;
-          b = j;
-          merged = true;
-        }
-    if (!merged) break;
-    lights[a] = Merged(lights[a], lights[b]);
-    lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(b));
-  }
+  const double angle = MergeAngle(scene.reflectance);
+  while (MergeClosest(scene, angle, least)) continue;
   return lights.size() != before;
 }
 
 }  // namespace
+
+bool MergeClosest(model::Scene& scene, double angle, std::size_t least) {
+  std::vector<model::Light>& lights = scene.lights;
+  if (lights.size() <= least) return false;
+  std::size_t a = 0, b = 0;
+  double closest = std::cos(angle);
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    for (std::size_t j = i + 1; j < lights.size(); ++j)
+      if (lights[i].direction.dot(lights[j].direction) > closest) {
+        closest = lights[i].direction.dot(lights[j].direction);
+        a = i;
+        b = j;
+      }
+  if (a == b) return false;
+  lights[a] = Merged(lights[a], lights[b]);
+  lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(b));
+  return true;
+}
 
 Candidate FitAndMerge(const Sample& sample, const model::Scene& start) {
   Candidate best = FitStart(sample, start);

@@ -9,10 +9,12 @@
 
 #include "base/angles.h"
 #include "base/format.h"
-#include "estimator/observe/radiance_statistics.h"
+#include "estimator/observe/observation_access.h"
 #include "estimator/solve/photograph_solve.h"
 #include "estimator/solve/prediction.h"
 #include "estimator/solve/settled_solve.h"
+#include "estimator/start/eliminate_lights.h"
+#include "estimator/start/merge_lights.h"
 #include "estimator/start/start_scene.h"
 
 namespace turnlight::estimator::start {
@@ -48,10 +50,7 @@ struct PhotographSearch {
 
   const Observations& pixels() const { return photograph.pixels; }
   double independent() const { return pixels().independent; }
-  double Misfit(const Fit& fit) const {
-    return 2.0 * fit.cost /
-           (observe::kWeighedSigma * observe::kWeighedSigma * pixels().channels * independent());
-  }
+  double Misfit(const Fit& fit) const { return MisfitOf(pixels(), fit.cost); }
 
   Fit Refit(const Fit& start, int iterations, double tolerance, bool free_directions = true) const {
     solve::SolveOptions options = solve::PhotographSolveOptions(start.scene.lights.size());
@@ -67,13 +66,15 @@ struct PhotographSearch {
   }
 };
 
-// Each pixel's part of twice the misfit's sum.
-std::vector<double> Squares(const PhotographSearch& search, const Fit& fit) {
-  const Observations& all = search.pixels();
+solve::Prediction ModelOf(const PhotographSearch& search, const Fit& fit) {
   solve::EvaluateOptions options = solve::PhotographSolveOptions(0).evaluate;
   options.samples_per_side = fit.samples;
   options.shadows = fit.shadows;
-  const solve::Prediction model = solve::Predict(all, fit.scene, options);
+  return solve::Predict(search.pixels(), fit.scene, options);
+}
+
+// Each pixel's squared residual, in expected sigmas.
+std::vector<double> Squares(const Observations& all, const solve::Prediction& model) {
   std::vector<double> out(all.size(), 0.0);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all.pixel[i] == Observations::kNoPixel) continue;
@@ -90,15 +91,14 @@ std::vector<double> Squares(const PhotographSearch& search, const Fit& fit) {
   return out;
 }
 
+std::vector<double> Squares(const PhotographSearch& search, const Fit& fit) {
+  return Squares(search.pixels(), ModelOf(search, fit));
+}
+
 double PixelTurn(const Observations& all) {
   double most = 0.0;
   for (const float turn : all.tile_footprint) most = std::max(most, static_cast<double>(turn));
   return 0.5 * most;
-}
-
-Eigen::Vector3d MirroredAt(const Observations& all, std::size_t i) {
-  return {static_cast<double>(all.mirrored[0][i]), static_cast<double>(all.mirrored[1][i]),
-          static_cast<double>(all.mirrored[2][i])};
 }
 
 // What a light is worth: see kPrice.
@@ -110,13 +110,14 @@ struct Worth {
   bool Enough() const { return Share() > 1.0; }
 };
 
-Worth WorthOf(const PhotographSearch& search, const model::Light& light, const Fit& with,
-              const Fit& without) {
+// Of a light of a scene with these lobes. a, b: the squares with it and without.
+Worth WorthOf(const PhotographSearch& search, const model::Light& light,
+              const model::Reflectance& reflectance, const std::vector<double>& a,
+              const std::vector<double>& b) {
   const Observations& pixels = search.pixels();
   const double turn = PixelTurn(pixels);
-  const double width = model::MirroredHalfWidth(with.scene.reflectance.lobes[0]);
+  const double width = model::MirroredHalfWidth(reflectance.lobes[0]);
   const double cosine = std::cos(2.5 * std::max(width, 1.2 * turn) + 2.0 * turn);
-  const std::vector<double> a = Squares(search, with), b = Squares(search, without);
   double sum_a = 0.0, sum_b = 0.0, own_a = 0.0, own_b = 0.0, own = 0.0;
   std::size_t keyframe = 0, views = 0, last = kNone;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -125,7 +126,7 @@ Worth WorthOf(const PhotographSearch& search, const model::Light& light, const F
     sum_b += b[i];
     if (pixels.pixel[i] == Observations::kNoPixel ||
         (pixels.at_white[i] & observe::kInHighlight) == 0 ||
-        MirroredAt(pixels, i).dot(light.direction) < cosine)
+        observe::At(pixels.mirrored, i).dot(light.direction) < cosine)
       continue;
     own += 1.0;
     views += std::exchange(last, keyframe) != keyframe ? 1 : 0;
@@ -147,25 +148,6 @@ Fit WithoutLight(const PhotographSearch& search, const Fit& full, std::size_t li
   return search.Refit(start, kFewIterations, kRoughly);
 }
 
-// Lights that stand together are one.
-bool MergeOnce(model::Scene& scene) {
-  const double cosine = std::cos(DegToRad(kMergeDeg));
-  auto& lights = scene.lights;
-  for (std::size_t i = 0; i < lights.size(); ++i)
-    for (std::size_t j = i + 1; j < lights.size(); ++j) {
-      if (lights[i].direction.dot(lights[j].direction) < cosine) continue;
-      const double sum = lights[i].intensity + lights[j].intensity;
-      if (sum > 0.0)
-        lights[i].direction =
-            (lights[i].intensity * lights[i].direction + lights[j].intensity * lights[j].direction)
-                .normalized();
-      lights[i].intensity = sum;
-      lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(j));
-      return true;
-    }
-  return false;
-}
-
 std::string Told(const model::Light& light, const Worth& worth) {
   return Format(
       "the light from (%+.2f, %+.2f, %+.2f) is worth %.0f in all and %.0f in its own "
@@ -185,28 +167,24 @@ struct Decisions {
 Fit Prune(const PhotographSearch& search, Fit fit, std::optional<int> wanted,
           Decisions& decisions) {
   while (!StopRequested(search.stop)) {
-    if (MergeOnce(fit.scene)) {
+    if (MergeClosest(fit.scene, DegToRad(kMergeDeg), 1)) {
       fit = search.Refit(fit, kFitIterations, kRoughly);
       continue;
     }
     const auto& lights = fit.scene.lights;
     if (wanted && lights.size() <= static_cast<std::size_t>(*wanted)) break;
     if (lights.size() <= 1 && !wanted) break;
-    std::vector<std::size_t> order(lights.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return model::Strength(lights[a]) < model::Strength(lights[b]);
-    });
-    order.resize(std::min(order.size(), kWeakest));
     struct Tried {
       std::size_t light;
       Worth worth;
       Fit without;
     };
     std::vector<Tried> tried;
-    for (const std::size_t light : order) {
+    const std::vector<double> with = Squares(search, fit);
+    for (const std::size_t light : WeakestLights(fit.scene, kWeakest)) {
       Fit without = WithoutLight(search, fit, light);
-      const Worth worth = WorthOf(search, lights[light], fit, without);
+      const Worth worth =
+          WorthOf(search, lights[light], fit.scene.reflectance, with, Squares(search, without));
       tried.push_back({light, worth, std::move(without)});
     }
     std::stable_sort(tried.begin(), tried.end(),
@@ -229,11 +207,8 @@ Fit Prune(const PhotographSearch& search, Fit fit, std::optional<int> wanted,
 // Directions of the brightest residuals, apart from each other and from the lights.
 std::vector<Eigen::Vector3d> HotDirections(const PhotographSearch& search, const Fit& fit) {
   const Observations& all = search.pixels();
-  const std::vector<double> squares = Squares(search, fit);
-  solve::EvaluateOptions options = solve::PhotographSolveOptions(0).evaluate;
-  options.samples_per_side = fit.samples;
-  options.shadows = fit.shadows;
-  const solve::Prediction model = solve::Predict(all, fit.scene, options);
+  const solve::Prediction model = ModelOf(search, fit);
+  const std::vector<double> squares = Squares(all, model);
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (squares[i] > 0.0 && (all.at_white[i] & observe::kInHighlight) != 0 &&
@@ -245,7 +220,7 @@ std::vector<Eigen::Vector3d> HotDirections(const PhotographSearch& search, const
   const double cosine = std::cos(DegToRad(kApartDeg));
   std::vector<Eigen::Vector3d> out;
   for (const std::size_t i : order) {
-    const Eigen::Vector3d direction = MirroredAt(all, i).normalized();
+    const Eigen::Vector3d direction = observe::At(all.mirrored, i).normalized();
     const auto close = [&](const Eigen::Vector3d& d) { return d.dot(direction) > cosine; };
     const bool known = std::any_of(fit.scene.lights.begin(), fit.scene.lights.end(),
                                    [&](const model::Light& l) { return close(l.direction); });
@@ -262,6 +237,7 @@ Fit Add(const PhotographSearch& search, Fit fit, std::optional<int> wanted, Deci
     if (wanted && fit.scene.lights.size() >= static_cast<std::size_t>(*wanted)) break;
     std::optional<Fit> best;
     Worth most;
+    const std::vector<double> without = Squares(search, fit);
     for (const Eigen::Vector3d& direction : HotDirections(search, fit)) {
       Fit start = fit;
       model::Light light;
@@ -273,7 +249,8 @@ Fit Add(const PhotographSearch& search, Fit fit, std::optional<int> wanted, Deci
       start.scene.lights.push_back(light);
       Fit with = search.Refit(search.Refit(start, kHeldIterations, kRoughly, false), kFewIterations,
                               kRoughly);
-      const Worth worth = WorthOf(search, with.scene.lights.back(), with, fit);
+      const Worth worth = WorthOf(search, with.scene.lights.back(), with.scene.reflectance,
+                                  Squares(search, with), without);
       if (!best || worth.all > most.all) {
         most = worth;
         best = std::move(with);
@@ -349,10 +326,10 @@ Fit ChooseSurface(const PhotographSearch& search, const Fit& coated,
 
 }  // namespace
 
-double MisfitOf(const Observations& pixels, const solve::Solution& solution) {
-  return 2.0 * solution.equations.cost /
+double MisfitOf(const Observations& pixels, double cost) {
+  return 2.0 * cost /
          (observe::kWeighedSigma * observe::kWeighedSigma *
-          solve::ValueCount(pixels, solution.evaluate));
+          solve::ValueCount(pixels, solve::EvaluateOptions()));
 }
 
 PhotographLights FindPhotographLights(const Photograph& photograph,
@@ -381,8 +358,11 @@ PhotographLights FindPhotographLights(const Photograph& photograph,
   PutSharperFirst(fit.scene.reflectance);
   out.strays = StraysOf(fit.scene, photograph.spots, decisions.added);
   out.misfit = search.Misfit(fit);
+  if (choice.lights)
+    out.ladder.push_back({"lights", static_cast<int>(fit.scene.lights.size()) == *choice.lights,
+                          Format("%d were asked for, %zu could be fitted", *choice.lights,
+                                 fit.scene.lights.size())});
   out.scene = std::move(fit.scene);
-  out.shadows = std::move(fit.shadows);
   return out;
 }
 

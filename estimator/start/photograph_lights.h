@@ -14,14 +14,12 @@
 #include "estimator/model/rung.h"
 #include "estimator/model/scene.h"
 #include "estimator/observe/photograph.h"
-#include "estimator/solve/solver.h"
 
 namespace turnlight::estimator::start {
 
 struct PhotographLights {
-  model::Scene scene;      // in the coordinates of the photograph's pixels
-  solve::Shadows shadows;  // that it was fitted with
-  double misfit = 0.0;     // mean square of the residuals, in expected sigmas
+  model::Scene scene;   // in the coordinates of the photograph's pixels
+  double misfit = 0.0;  // mean square of the residuals, in expected sigmas
   std::vector<model::Rung> ladder;
   // What lights are worth, of their price: the least of those that were kept beside others, and the
   // most of those that were not. Both near 1: their number is open.
@@ -31,8 +29,8 @@ struct PhotographLights {
   std::size_t strays = 0;
 };
 
-// Mean square of a solution's residuals, in the sigmas that the pixels were given.
-double MisfitOf(const observe::Observations& pixels, const solve::Solution& solution);
+// Mean square of residuals, in the sigmas that the pixels were given, of a fit's cost.
+double MisfitOf(const observe::Observations& pixels, double cost);
 
 // There must be spots. With stop set it ends soon, with what is of no use.
 PhotographLights FindPhotographLights(const observe::Photograph& photograph,

@@ -156,21 +156,34 @@ TEST(PovSceneTest, ThreeLightsFromAHintFiveDegreesOff) {
   ExpectTruth(output->estimate, *truth);
 }
 
+struct RealPhotograph {
+  model::InitialGuess truth;
+  Estimate estimate;
+};
+
+void Take(const std::string& name, RealPhotograph& out) {
+  const Data data = Load(name);
+  auto truth = results::ParseInitialGuess(data.truth, "truth.json");
+  ASSERT_TRUE(truth);
+  auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
+                              calib::RayGrid(*data.session.camera), {});
+  ASSERT_TRUE(output) << output.error().text;
+  out = {std::move(*truth), std::move(output->estimate)};
+}
+
 TEST(PhotographTest, OneLightEachWithinTwoDegreesInTheMean) {
   const char* const names[] = {"uw_gray_00", "uw_gray_03", "uw_gray_04",
                                "uw_gray_05", "uw_gray_06", "uw_gray_08"};
   double sum = 0.0;
   for (const char* name : names) {
     if (Missing(name)) GTEST_SKIP() << "no shared data " << Folder(name);
-    const Data data = Load(name);
-    const auto truth = results::ParseInitialGuess(data.truth, "truth.json");
-    ASSERT_TRUE(truth);
-    const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
-                                      calib::RayGrid(*data.session.camera), {});
-    ASSERT_TRUE(output) << output.error().text;
-    ASSERT_EQ(output->estimate.lights.size(), 1u) << name;
-    const double error = AngleDeg(output->estimate.lights[0].light.direction,
-                                  truth->lights[0].direction.normalized());
+    RealPhotograph taken;
+    Take(name, taken);
+    if (HasFatalFailure()) return;
+    const auto& [truth, estimate] = taken;
+    ASSERT_EQ(estimate.lights.size(), 1u) << name;
+    const double error =
+        AngleDeg(estimate.lights[0].light.direction, truth.lights[0].direction.normalized());
     EXPECT_LE(error, 3.1) << name;
     sum += error;
   }
@@ -186,16 +199,14 @@ TEST(PhotographTest, EveryLightOfAGlossyBallByItsHighlight) {
     SCOPED_TRACE(name);
     const std::string folder = std::string("diligent_ball/") + name;
     if (Missing(folder)) GTEST_SKIP() << "no shared data " << Folder(folder);
-    const Data data = Load(folder);
-    const auto truth = results::ParseInitialGuess(data.truth, "truth.json");
-    ASSERT_TRUE(truth);
-    const auto output = EstimateScene(data.keyframes, target::Geometry(data.shape),
-                                      calib::RayGrid(*data.session.camera), {});
-    ASSERT_TRUE(output) << output.error().text;
-    ASSERT_EQ(output->estimate.lights.size(), truth->lights.size());
-    for (const LightEstimate& light : output->estimate.lights) {
+    RealPhotograph taken;
+    Take(folder, taken);
+    if (HasFatalFailure()) return;
+    const auto& [truth, estimate] = taken;
+    ASSERT_EQ(estimate.lights.size(), truth.lights.size());
+    for (const LightEstimate& light : estimate.lights) {
       double error = 180.0;
-      for (const auto& other : truth->lights)
+      for (const auto& other : truth.lights)
         error = std::min(error, AngleDeg(light.light.direction, other.direction.normalized()));
       EXPECT_LE(error, 1.3);
       EXPECT_LE(RadToDeg(light.direction_sigma), 0.8);

@@ -32,14 +32,10 @@ inline model::Scene GlossyScene(const std::vector<Eigen::Vector3d>& directions) 
   return scene;
 }
 
-struct PhotographBall {
-  calib::CameraModel camera = calib::CameraModel::Pinhole(128, 112, 420.0, 420.0, 63.5, 55.5);
-  target::Geometry geometry{calib::TargetShape(calib::SphereShape{1.0})};
-  calib::RayGrid rays{camera};
-  std::vector<model::Keyframe> keyframes;
-
+struct PhotographBall : BallStudio {
   // Seen from +x first, then from evenly all around. texture: the amplitude of what no model has.
-  explicit PhotographBall(const model::Scene& scene, int views = 1, double texture = 0.02) {
+  explicit PhotographBall(const model::Scene& scene, int views = 1, double texture = 0.02)
+      : BallStudio(128, 112, 420.0) {
     for (int view = 0; view < views; ++view) {
       const double azimuth = 2.0 * std::numbers::pi * view / views;
       model::Keyframe& keyframe = keyframes.emplace_back();

@@ -24,14 +24,21 @@ inline calib::Pose LookingAtOrigin(const Eigen::Vector3d& from) {
   return X_WC;
 }
 
-struct TinyBall {
-  calib::CameraModel camera = calib::CameraModel::Pinhole(64, 48, 160.0, 160.0, 31.5, 23.5);
+// A ball of radius 1, a camera and what it took.
+struct BallStudio {
+  calib::CameraModel camera;
   target::Geometry geometry{calib::TargetShape(calib::SphereShape{1.0})};
   calib::RayGrid rays{camera};
   std::vector<model::Keyframe> keyframes;
 
+  BallStudio(int width, int height, double focal)
+      : camera(calib::CameraModel::Pinhole(width, height, focal, focal, 0.5 * (width - 1),
+                                           0.5 * (height - 1))) {}
+};
+
+struct TinyBall : BallStudio {
   // Views from 30 degrees above the horizon, evenly all around. noise: sigma of a value.
-  TinyBall(const model::Scene& scene, int views, double noise = 0.0) {
+  TinyBall(const model::Scene& scene, int views, double noise = 0.0) : BallStudio(64, 48, 160.0) {
     for (int view = 0; view < views; ++view) {
       const double azimuth = 2.0 * std::numbers::pi * view / views;
       const double across = 8.4 * std::cos(DegToRad(30.0)), up = 8.4 * std::sin(DegToRad(30.0));

@@ -74,6 +74,17 @@ TEST(TakePhotograph, CountsTheRestByArea) {
   EXPECT_NEAR(information(thinned.pixels) / information(whole.pixels), 1.0, 0.15);
 }
 
+TEST(TakePhotograph, TakesSoManyPixelsOfHighlights) {
+  const Photograph whole = Take(Ball());
+  PhotographOptions few;
+  few.most_bright = 200;
+  const Photograph thinned = Take(Ball(), few);
+  ASSERT_GT(Independent(whole.pixels, true), 400.0);
+  EXPECT_NEAR(Independent(thinned.pixels, true), 200.0, 60.0);
+  EXPECT_NEAR(whole.pixels.independent - thinned.pixels.independent,
+              Independent(whole.pixels, true) - 200.0, 1.0);
+}
+
 TEST(TakePhotograph, WeighsByShares) {
   PhotographBall dark(GlossyScene({{0.9, 0.3, 0.3}, {0.7, -0.6, 0.3}}));
   for (model::Keyframe& keyframe : dark.keyframes) keyframe.image.radiance *= std::exp2(-12.0);

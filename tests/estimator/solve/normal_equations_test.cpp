@@ -210,6 +210,15 @@ INSTANTIATE_TEST_SUITE_P(
                     Models{model::SpecularModel::kGgx, model::DiffuseModel::kCoated},
                     Models{model::SpecularModel::kPhong, model::DiffuseModel::kOrenNayar}));
 
+// Every second one with weights.
+void ExpectAutodiff(const model::Scene& scene, std::uint64_t seed) {
+  RandomObservations all(300, 3, seed);
+  if (seed % 2 == 0) GiveWeights(seed, all.observations);
+  const Reference reference = ByJets(all, scene);
+  ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-5);
+  ExpectSame(Evaluate(all.observations, scene, {}), reference, 3e-5);
+}
+
 // Two lobes, lights of their own colours, and a light field.
 TEST(Derivatives, OfTwoLobesColoursAndHarmonicsAgreeWithAutodiff) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -224,11 +233,7 @@ TEST(Derivatives, OfTwoLobesColoursAndHarmonicsAgreeWithAutodiff) {
     for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.harmonics[j] = 0.02 * (j - 3);
     scene.lights[0].color = {1.0, 0.6, 0.3};
     scene.lights[1].color = {0.5, 0.9, 1.0};
-    RandomObservations all(300, 3, seed);
-    if (seed % 2 == 0) GiveWeights(seed, all.observations);
-    const Reference reference = ByJets(all, scene);
-    ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-5);
-    ExpectSame(Evaluate(all.observations, scene, {}), reference, 3e-5);
+    ExpectAutodiff(scene, seed);
   }
 }
 
@@ -241,11 +246,7 @@ TEST(Derivatives, OfDeparturesAgreeWithAutodiff) {
     scene.free_shading = true;
     scene.free_harmonics = seed > 5;
     for (int j = 0; j < model::kHarmonics; ++j) scene.reflectance.shading[j] = 0.03 * (4 - j);
-    RandomObservations all(300, 3, seed);
-    if (seed % 2 == 0) GiveWeights(seed, all.observations);
-    const Reference reference = ByJets(all, scene);
-    ExpectSame(EvaluateDouble(all.observations, scene, {}), reference, 1e-5);
-    ExpectSame(Evaluate(all.observations, scene, {}), reference, 3e-5);
+    ExpectAutodiff(scene, seed);
   }
 }
 
