@@ -117,8 +117,22 @@ double Stepped(Chart chart, double value, double step) {
   return value;
 }
 
+// The inverse distance at which the light from there is so far from a point: |u / rho - p| = d.
+double InverseDistanceAt(const Eigen::Vector3d& direction, const Eigen::Vector3d& point,
+                         double distance) {
+  const double along = direction.dot(point);
+  return 1.0 / (along + std::sqrt(std::max(
+                            along * along + distance * distance - point.squaredNorm(), 0.0)));
+}
+
 // The bounds of the value itself.
 std::pair<double, double> BoundsOf(const Parameter& parameter, const Scene& scene) {
+  if (parameter.kind == ParameterKind::kInverseDistance && scene.distance) {
+    const DistanceRange& range = *scene.distance;
+    const Eigen::Vector3d& u = scene.lights[static_cast<std::size_t>(parameter.owner)].direction;
+    return {InverseDistanceAt(u, range.from, range.most),
+            InverseDistanceAt(u, range.from, range.least)};
+  }
   if (parameter.kind == ParameterKind::kShape) {
     const auto& facts =
         FactsOf(scene.reflectance.lobes[static_cast<std::size_t>(parameter.owner)].model);

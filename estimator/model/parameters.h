@@ -85,6 +85,7 @@ class Parameters {
 
 // "shininess", "direction of light 2": for people, by what they see in results.
 std::string NameOf(const Parameter& parameter, const Scene& scene);
+// A light's inverse distance, where distances are known, has the bounds of its own direction.
 ParameterLimits LimitsOf(const Parameter& parameter, const Scene& scene);
 
 // The value of each parameter in its chart; tangents are relative to the direction, so theirs are

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "estimator/model/reflectance/terms.h"
@@ -82,6 +83,12 @@ struct Reflectance {
   std::array<Lobe, kMostLobes> lobes{Lobe{SpecularModel::kPhong}, Lobe{}};
 };
 
+// How far all lights are from a point: what is known beside the pictures.
+struct DistanceRange {
+  double least = 0.0, most = 0.0;  // length unit; 0 < least < most
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();
+};
+
 struct Scene {
   std::vector<Light> lights;
   Reflectance reflectance;
@@ -95,6 +102,8 @@ struct Scene {
   // For a fit: the lights' factors are unknowns (see solve/frame_factors.h), the ambient light's
   // harmonics are, and the diffuse part's departures are.
   bool free_factors = false, free_harmonics = false, free_shading = false;
+  // For a fit: the bounds of the lights' distances, if they are known.
+  std::optional<DistanceRange> distance{};
 
   // Whether any colour but the albedo is not white.
   bool coloured() const;

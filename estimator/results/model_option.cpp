@@ -1,7 +1,9 @@
 #include "estimator/results/model_option.h"
 
 #include <charconv>
+#include <cmath>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/format.h"
@@ -48,6 +50,48 @@ Status ChooseNumber(const std::string& option, const std::string& word, int most
   return {};
 }
 
+bool TakeNumber(std::string_view word, double& out) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
+  return error == std::errc() && end == word.data() + word.size() && std::isfinite(out);
+}
+
+// A length, or a range of lengths.
+Status ChooseDistance(const std::string& option, const std::string& word, ModelChoice& choice) {
+  constexpr double kKnownTo = 1e-3;  // of what is given as one number
+  const std::size_t dots = word.find("..");
+  const std::string_view first = std::string_view(word).substr(0, dots);
+  model::DistanceRange range;
+  bool numbers = TakeNumber(first, range.least);
+  if (dots == std::string::npos) {
+    range.most = range.least * (1.0 + kKnownTo);
+    range.least *= 1.0 - kKnownTo;
+  } else {
+    numbers = numbers && TakeNumber(std::string_view(word).substr(dots + 2), range.most);
+  }
+  if (!numbers || !(range.least > 0.0 && range.most > range.least))
+    return InputError("--model " + option + ": \"" + word +
+                      "\", allowed is a length in the session's unit, as 1400, or a range from a "
+                      "smaller to a larger one, as 1300..1500");
+  choice.distance = range;
+  return {};
+}
+
+// Distances and whether there are any, in whichever order they are told.
+Status ChooseNearness(const std::string& option, bool is_distance, const std::string& word,
+                      ModelChoice& choice) {
+  ModelChoice chosen = choice;
+  const Status status = is_distance ? ChooseDistance(option, word, chosen)
+                                    : ChooseOf(option, word, {"near", "distant"}, chosen.near);
+  if (!status) return status;
+  if (chosen.distance && chosen.near == false)
+    return InputError("--model " + option +
+                      ": lights at a known distance are not distant; give either distance or "
+                      "lights-are=distant");
+  if (chosen.distance) chosen.near = true;
+  choice = chosen;
+  return {};
+}
+
 }  // namespace
 
 std::string ModelOptionHelp() {
@@ -59,7 +103,8 @@ std::string ModelOptionHelp() {
   return "lights=N (1 to " + std::to_string(kMostLights) +
          "), diffuse=" + list(AllWords<model::DiffuseModel>()) +
          ", specular=" + list(AllWords<model::SpecularModel>()) +
-         ", lobes=1|2, lights-are=near|distant, color=free|white, white=N (which light is called "
+         ", lobes=1|2, lights-are=near|distant, distance=A..B (of all lights, in the session's "
+         "unit), color=free|white, white=N (which light is called "
          "white, 1 the strongest), intensity=per-frame|constant, ambient=harmonics|constant";
 }
 
@@ -72,12 +117,14 @@ Status ApplyModelOption(const std::string& option, ModelChoice& choice) {
   if (key == "white") return ChooseNumber(option, word, kMostLights, choice.white);
   if (key == "diffuse") return Choose(option, word, choice.diffuse);
   if (key == "specular") return Choose(option, word, choice.specular);
-  if (key == "lights-are") return ChooseOf(option, word, {"near", "distant"}, choice.near);
+  if (key == "lights-are" || key == "distance")
+    return ChooseNearness(option, key == "distance", word, choice);
   if (key == "color") return ChooseOf(option, word, {"free", "white"}, choice.coloured);
   if (key == "intensity") return ChooseOf(option, word, {"per-frame", "constant"}, choice.changing);
   if (key == "ambient") return ChooseOf(option, word, {"harmonics", "constant"}, choice.harmonics);
-  const std::vector<std::string> keys = {"lights", "diffuse", "specular",  "lobes",  "lights-are",
-                                         "color",  "white",   "intensity", "ambient"};
+  const std::vector<std::string> keys = {"lights",     "diffuse",  "specular", "lobes",
+                                         "lights-are", "distance", "color",    "white",
+                                         "intensity",  "ambient"};
   return InputError("--model " + option + ": unknown key \"" + key + "\"" + DidYouMean(key, keys) +
                     ", allowed are " + Listed(keys));
 }

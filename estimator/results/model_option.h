@@ -13,6 +13,8 @@ namespace turnlight::estimator::results {
 //   diffuse=lambert|oren-nayar|coated
 //   specular=none|phong|blinn-phong|beckmann|ggx
 //   lights-are=near|distant
+//   distance=A..B     all lights are so far from W's origin, 0 < A < B, in the session's unit, and
+//                     near; or distance=D, known to a thousandth
 //   color=free|white  whether lights have colours of their own
 // Fails (kInput) on an unknown key or value, naming the nearest or what is allowed.
 Status ApplyModelOption(const std::string& option, model::ModelChoice& choice);

@@ -8,6 +8,7 @@
 #include "base/statistics.h"
 #include "estimator/select/ambient_rung.h"
 #include "estimator/select/intensity_rung.h"
+#include "estimator/solve/coordinates.h"
 #include "estimator/solve/prediction.h"
 #include "estimator/uncertainty/reported.h"
 #include "estimator/uncertainty/uncertainty.h"
@@ -283,7 +284,9 @@ void ChooseDistances(const observe::Observations& observations, const model::Mod
   SolveOnWithSplits(observations, out);
 }
 
-model::Scene AsChosen(model::Scene scene, const model::ModelChoice& choice) {
+model::Scene AsChosen(model::Scene scene, const observe::Observations& observations,
+                      const model::ModelChoice& choice) {
+  scene.distance = solve::ToSolver(choice.distance, observations);
   if (choice.changing == false) scene = model::WithoutFactors(std::move(scene));
   if (choice.changing == true) scene.free_factors = true;
   scene.white_light = static_cast<std::size_t>(choice.white.value_or(1) - 1);
@@ -300,7 +303,7 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
   Refined out;
   out.options.stop = stop;
   out.views_per_distinct = views_per_distinct;
-  out.solution.scene = AsChosen(start, choice);
+  out.solution.scene = AsChosen(start, observations, choice);
   SolveOn(observations, out);
   if (StopRequested(stop)) return out;
   ChooseIntensities(observations, noise, choice, out, ladder);

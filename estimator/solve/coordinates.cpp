@@ -13,12 +13,20 @@ void Scale(model::Reflectance& reflectance, double by) {
 
 }  // namespace
 
+std::optional<model::DistanceRange> ToSolver(const std::optional<model::DistanceRange>& range,
+                                             const observe::Observations& observations) {
+  if (!range) return std::nullopt;
+  return model::DistanceRange{range->least / observations.radius, range->most / observations.radius,
+                              -observations.reference / observations.radius};
+}
+
 model::Scene ToSolver(const model::Scene& scene, const observe::Observations& observations) {
   model::Scene out = scene;
   for (model::Light& light : out.lights) {
     light = model::Recentred(light, observations.reference);
     light.inverse_distance *= observations.radius;
   }
+  out.distance = ToSolver(scene.distance, observations);
   Scale(out.reflectance, 1.0 / observations.radiance_unit);
   return out;
 }
@@ -29,6 +37,9 @@ model::Scene ToWorld(const model::Scene& scene, const observe::Observations& obs
     light.inverse_distance /= observations.radius;
     light = model::Recentred(light, -observations.reference);
   }
+  if (out.distance)
+    out.distance = model::DistanceRange{scene.distance->least * observations.radius,
+                                        scene.distance->most * observations.radius};
   Scale(out.reflectance, observations.radiance_unit);
   return out;
 }

@@ -2,6 +2,8 @@
 // back.
 #pragma once
 
+#include <optional>
+
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
 
@@ -11,5 +13,8 @@ namespace turnlight::estimator::solve {
 // ambient, diffuse and specular are radiances; the lights' intensities are relative.
 model::Scene ToSolver(const model::Scene& scene, const observe::Observations& observations);
 model::Scene ToWorld(const model::Scene& scene, const observe::Observations& observations);
+// Distances from W's origin.
+std::optional<model::DistanceRange> ToSolver(const std::optional<model::DistanceRange>& range,
+                                             const observe::Observations& observations);
 
 }  // namespace turnlight::estimator::solve

@@ -94,6 +94,15 @@ std::vector<Limits> LimitsOf(const model::Parameters& parameters, const model::S
   return limits;
 }
 
+// Bounds of known distances go with the lights' directions.
+void FollowDirections(const model::Parameters& parameters, const model::Scene& scene,
+                      std::vector<Limits>& limits) {
+  for (int l = 0; scene.distance && l < parameters.lights(); ++l) {
+    const int column = parameters.InverseDistance(l);
+    limits[static_cast<std::size_t>(column)].within = model::LimitsOf(parameters[column], scene);
+  }
+}
+
 // The step of the damped normal equations within the bounds, columns scaled to unit diagonal.
 Eigen::VectorXd DampedStep(const NormalEquations& equations, const Eigen::VectorXd& values,
                            const std::vector<Limits>& limits, double damping) {
@@ -147,7 +156,7 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
   out.scene = Prepared(start, observations);
   out.evaluate = options.evaluate;
   const model::Parameters parameters(start, observations.channels);
-  const std::vector<Limits> limits = LimitsOf(parameters, out.scene, options);
+  std::vector<Limits> limits = LimitsOf(parameters, out.scene, options);
   out.equations = Evaluate(observations, out.scene, options.evaluate);
   out.cost_history.push_back(out.equations.cost);
   double damping = kFirstDamping;
@@ -183,6 +192,7 @@ Solution Solve(const observe::Observations& observations, const model::Scene& st
     damping *= gain > 0.75 ? 0.1 : gain > 0.25 ? 0.5 : 4.0;
     damping = std::max(damping, kLeastDamping);
     out.scene = std::move(trial);
+    FollowDirections(parameters, out.scene, limits);
     out.equations = std::move(equations);
     out.cost_history.push_back(out.equations.cost);
   }

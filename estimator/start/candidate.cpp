@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "estimator/solve/coordinates.h"
 #include "estimator/solve/settled_solve.h"
 
 namespace turnlight::estimator::start {
@@ -19,6 +20,7 @@ solve::Solution SolveStart(const Sample& sample, const Candidate& start, int ite
   const bool distant = sample.choice.near == false;
   if (!free_geometry || distant) options.fixed_distance.assign(start.scene.lights.size(), true);
   model::Scene scene = start.scene;
+  scene.distance = solve::ToSolver(sample.choice.distance, sample.pixels);
   if (distant)
     for (model::Light& light : scene.lights) light.inverse_distance = 0.0;
   return solve::SolveSettled(sample.pixels, scene, options, 1, start.shadows);

@@ -10,6 +10,7 @@
 #include "base/angles.h"
 #include "base/format.h"
 #include "estimator/observe/observation_access.h"
+#include "estimator/solve/coordinates.h"
 #include "estimator/solve/photograph_solve.h"
 #include "estimator/solve/prediction.h"
 #include "estimator/solve/settled_solve.h"
@@ -276,6 +277,7 @@ model::Scene FirstScene(const Photograph& photograph, const model::ModelChoice& 
   for (model::Light& light : scene.lights)
     light.inverse_distance = photograph.spots.front().inverse_distance;
   scene.free_shading = true;
+  scene.distance = solve::ToSolver(choice.distance, photograph.pixels);
   model::Reflectance& r = scene.reflectance;
   r.diffuse_model = choice.diffuse.value_or(model::DiffuseModel::kCoated);
   if (r.diffuse_model == model::DiffuseModel::kOrenNayar) r.roughness = 0.3;

@@ -55,15 +55,30 @@ std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unk
   return text;
 }
 
+// What is known of a parameter beside the pictures, as one over a variance: of a distance within
+// bounds that of a uniform distribution.
+double InformationOf(const model::Parameter& parameter, const model::Scene& scene) {
+  if (parameter.kind != model::ParameterKind::kInverseDistance || !scene.distance) return 0.0;
+  const model::ParameterLimits limits = model::LimitsOf(parameter, scene);
+  return 12.0 / std::pow(limits.high - limits.low, 2);
+}
+
 Covariance Invert(const solve::Solution& solution, const observe::Observations& observations,
                   const model::Parameters& parameters, double views_per_distinct) {
   Covariance out;
   out.unknowns = Unknowns(solution, parameters);
   const auto n = static_cast<Eigen::Index>(out.unknowns.size());
   Eigen::VectorXd scale(n);
+  const double values = solve::ValueCount(observations, solution.evaluate);
+  const double factors = solution.equations.factors ? solution.equations.factors->count() : 0.0;
+  const double variance = views_per_distinct * 2.0 * solution.equations.cost /
+                          std::max(values - static_cast<double>(n) - factors, 1.0);
+  out.variance = variance;
+  Eigen::MatrixXd hessian = solution.equations.hessian(out.unknowns, out.unknowns);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const int column = out.unknowns[static_cast<std::size_t>(i)];
-    scale[i] = std::sqrt(std::max(solution.equations.hessian(column, column), 0.0));
+    const model::Parameter& of = parameters[out.unknowns[static_cast<std::size_t>(i)]];
+    hessian(i, i) += variance * InformationOf(of, solution.scene);
+    scale[i] = std::sqrt(std::max(hessian(i, i), 0.0));
   }
   out.undetermined.assign(static_cast<std::size_t>(n), false);
   out.matrix = Eigen::MatrixXd::Zero(n, n);
@@ -71,20 +86,11 @@ Covariance Invert(const solve::Solution& solution, const observe::Observations& 
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) {
       const double s = scale[i] * scale[j];
-      scaled(i, j) = s > 0.0
-                         ? solution.equations.hessian(out.unknowns[static_cast<std::size_t>(i)],
-                                                      out.unknowns[static_cast<std::size_t>(j)]) /
-                               s
-                         : 0.0;
+      scaled(i, j) = s > 0.0 ? hessian(i, j) / s : 0.0;
     }
   if (n == 0) return out;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
-  const double values = solve::ValueCount(observations, solution.evaluate);
-  const double factors = solution.equations.factors ? solution.equations.factors->count() : 0.0;
-  const double variance = views_per_distinct * 2.0 * solution.equations.cost /
-                          std::max(values - static_cast<double>(n) - factors, 1.0);
-  out.variance = variance;
   double smallest = largest;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double value = eigen.eigenvalues()[k];

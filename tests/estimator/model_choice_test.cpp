@@ -145,6 +145,47 @@ TEST(ModelChoice, NearLightsKeepTheirDistance) {
   }
 }
 
+// Two lamps whose distance one picture with noise tells only roughly, or not at all.
+TEST(ModelChoice, AKnownDistanceIsKeptAndNarrowsTheDirections) {
+  rig::sim::SyntheticConfig config = Ball(0.02, 0.1);
+  config.motion.frames = 1;
+  for (rig::sim::LightSpec& light : LightsOf(config)) light.distance = 400.0;
+  model::ModelChoice choice;
+  choice.near = true;
+  choice.lights = 2;
+  const auto open = EstimateWith(config, choice);
+  ASSERT_TRUE(open) << open.error().text;
+  choice.distance = model::DistanceRange{380.0, 420.0};
+  const auto known = EstimateWith(config, choice);
+  ASSERT_TRUE(known) << known.error().text;
+  ASSERT_EQ(known->estimate.lights.size(), 2u);
+  ASSERT_EQ(open->estimate.lights.size(), 2u);
+  for (std::size_t l = 0; l < 2; ++l) {
+    const LightEstimate& light = known->estimate.lights[l];
+    ASSERT_TRUE(light.near && light.distance);
+    EXPECT_GE(*light.distance, 380.0 * (1.0 - 1e-6));
+    EXPECT_LE(*light.distance, 420.0 * (1.0 + 1e-6));
+    // Of a uniform distribution, or less.
+    EXPECT_LE(light.distance_sigma.value_or(1e9), 40.0 / std::sqrt(12.0) * 1.01);
+    EXPECT_GT(light.distance_sigma.value_or(0.0), 0.0);
+    EXPECT_LE(light.direction_sigma, open->estimate.lights[l].direction_sigma * 1.001);
+  }
+}
+
+// A range that the truth is not in is kept all the same.
+TEST(ModelChoice, ADistanceThatIsSaidWronglyIsKept) {
+  model::ModelChoice choice;
+  choice.near = true;
+  choice.distance = model::DistanceRange{5000.0, 6000.0};
+  const auto asked = EstimateWith(choice);
+  ASSERT_TRUE(asked) << asked.error().text;
+  for (const LightEstimate& light : asked->estimate.lights) {
+    ASSERT_TRUE(light.near && light.distance);
+    EXPECT_GE(*light.distance, 5000.0 * (1.0 - 1e-6));
+    EXPECT_LE(*light.distance, 6000.0 * (1.0 + 1e-6));
+  }
+}
+
 TEST(ModelChoice, TheLobeIsThatOfThePictures) {
   for (const model::SpecularModel model :
        {model::SpecularModel::kPhong, model::SpecularModel::kBlinnPhong}) {
