@@ -21,6 +21,7 @@
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_start.h"
 #include "estimator/start/sample.h"
+#include "estimator/start/score.h"
 #include "estimator/view_evidence.h"
 
 namespace turnlight::estimator {
@@ -133,11 +134,11 @@ Found Search(const observe::Observations& all, double noise, const observe::Inte
   return out;
 }
 
-// The variance that is left beyond noise, each light being worth a factor of it.
-double PriceOf(const observe::Observations& all, double noise, const select::Refined& refined) {
+// By what is left beyond noise.
+start::Compared ComparedOf(const observe::Observations& all, double noise,
+                           const select::Refined& refined) {
   const double rms = select::Rms(all, refined.solution);
-  return start::ExcessVariance(rms * rms, noise) *
-         std::pow(start::kRatioPerLight, static_cast<double>(refined.solution.scene.lights.size()));
+  return {&refined.solution.scene, start::ExcessVariance(rms * rms, noise)};
 }
 
 // Lights were looked for as if they were constant, or ambient light even, and what is not may have
@@ -153,18 +154,17 @@ void SearchAgain(const observe::Observations& all, double noise, const observe::
   if (uneven) options.model.harmonics = true;
   Found again = Search(all, noise, map, options, views_per_distinct);
   if (StopRequested(options.watch.stop)) return;
-  const double first = PriceOf(all, noise, found.refined),
-               second = PriceOf(all, noise, again.refined);
-  const bool better = second < first;
+  const bool better = start::BestOf(options.model, {ComparedOf(all, noise, found.refined),
+                                                    ComparedOf(all, noise, again.refined)}) == 1;
   model::Rung rung{
       "search-again", better,
       Format("lights looked for once more, with %s: %zu lights, and a residual rms of %.3g instead "
-             "of %zu and %.3g; each light is worth a factor of %.0f in excess variance",
+             "of %zu and %.3g; a light costs %.0f times the smaller excess variance of both",
              changing && uneven ? "factors and harmonics"
              : changing         ? "factors"
                                 : "harmonics",
              again.refined.solution.scene.lights.size(), select::Rms(all, again.refined.solution),
-             scene.lights.size(), select::Rms(all, found.refined.solution), start::kRatioPerLight)};
+             scene.lights.size(), select::Rms(all, found.refined.solution), start::kLightPrice)};
   // Why there are factors or harmonics, which were asked for then, the first search says.
   if (better)
     for (const model::Rung& why : found.ladder)

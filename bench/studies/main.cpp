@@ -110,7 +110,8 @@ int MakeReport(const Arguments& arguments) {
 int Main(int argc, char** argv) {
   CLI::App app("Measures the estimator on many scenes");
   app.require_subcommand(1);
-  Arguments random, eight, handstart, coverage, lights, extremes, sessions, summary, report, config;
+  Arguments random, eight, handstart, coverage, lights, hard, shifted, extremes, sessions, summary,
+      report, config;
   CLI::App* random_command = AddStudy(
       app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
   CLI::App* eight_command =
@@ -122,6 +123,11 @@ int Main(int argc, char** argv) {
                "0:32", coverage);
   CLI::App* lights_command =
       AddStudy(app, "lights", "Few lights: white, coloured, changing, in a field", "0:100", lights);
+  CLI::App* hard_command = AddStudy(
+      app, "hard", "Scenes whose lights are hard to count: does the result say so?", "0:240", hard);
+  CLI::App* shifted_command =
+      AddStudy(app, "shifted", "The random scenes, the target 1e-4 radii elsewhere than said",
+               "0:200", shifted);
   CLI::App* extremes_command =
       app.add_subcommand("extremes", "One thing at a time taken to its extreme");
   extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");
@@ -151,6 +157,8 @@ int Main(int argc, char** argv) {
   if (*handstart_command) return RunScenes("handstart", HandStartJobs, handstart);
   if (*coverage_command) return RunScenes("coverage", CoverageJobs, coverage);
   if (*lights_command) return RunScenes("lights", LightJobs, lights);
+  if (*hard_command) return RunScenes("hard", HardJobs, hard);
+  if (*shifted_command) return RunScenes("shifted", ShiftedJobs, shifted);
   if (*extremes_command) return RunExtremes(extremes);
   if (*sessions_command) return RunSessions(sessions);
   if (*summary_command) return PrintSummary(summary);

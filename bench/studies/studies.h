@@ -43,6 +43,17 @@ std::vector<Job> LightJobs(Range scenes);
 // One of them: "white", "coloured", "flickering", "warming" or "light-field".
 Result<rig::sim::SyntheticConfig> LightConfig(const std::string& kind, int scene);
 
+// Random scenes made hard on purpose, so that numbers of lights come out wrong, each in one way: a
+// light more within 1.5 half-widths of another's highlight, one of a thirtieth to a
+// three-thousandth of the strongest, noise of 3 to 20 % of white, pictures 4 to 10 times smaller, a
+// response that is another by a power of 1.03 to 1.3, a target 0.3 to 3 % of its radius elsewhere
+// than said. What is judged is whether results say so.
+std::vector<Job> HardJobs(Range scenes);
+
+// The random study's scenes, the target said to be a ten-thousandth of its radius elsewhere:
+// nothing may hang on that.
+std::vector<Job> ShiftedJobs(Range scenes);
+
 // One thing at a time taken to its extreme (extreme_cells.h).
 std::vector<Job> ExtremeJobs();
 

@@ -158,6 +158,7 @@ Summary Summarise(const StudyFile& file, int worst) {
   if (file.study == "coverage") return SummariseCoverage(file);
   if (file.study == "extremes") return SummariseExtremes(file);
   if (file.study == "lights") return SummariseLights(file);
+  if (file.study == "hard") return SummariseHard(file, worst);
   if (file.study == "eight") return SummariseEight(file, worst);
   if (file.study == "handstart") return SummariseHandStart(file, worst);
   return SummariseRandom(file, worst);

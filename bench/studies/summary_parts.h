@@ -35,6 +35,7 @@ Summary SummariseSessions(const StudyFile& file);
 Summary SummariseCoverage(const StudyFile& file);
 Summary SummariseExtremes(const StudyFile& file);
 Summary SummariseLights(const StudyFile& file);
+Summary SummariseHard(const StudyFile& file, int worst);
 
 // Records without "failed" and "left_out"; the others are told in `text`.
 std::vector<const Json*> Measured(const StudyFile& file, std::string& text);

@@ -14,7 +14,7 @@ struct ModelChoice {
   std::optional<int> lobes;  // 1 or 2, where there is a highlight
   std::optional<bool> near;  // all lights near, or all distant
   // Of all lights, from W's origin, in the session's unit; near is true then.
-  std::optional<DistanceRange> distance;
+  DistanceRange distance;
   std::optional<bool> coloured;   // lights of their own colours, or all white
   std::optional<int> white;       // number, from 1, of the light that is said to be white
   std::optional<bool> changing;   // intensities of their own in each keyframe, or constant

@@ -127,8 +127,8 @@ double InverseDistanceAt(const Eigen::Vector3d& direction, const Eigen::Vector3d
 
 // The bounds of the value itself.
 std::pair<double, double> BoundsOf(const Parameter& parameter, const Scene& scene) {
-  if (parameter.kind == ParameterKind::kInverseDistance && scene.distance) {
-    const DistanceRange& range = *scene.distance;
+  if (parameter.kind == ParameterKind::kInverseDistance && scene.distance.known()) {
+    const DistanceRange& range = scene.distance;
     const Eigen::Vector3d& u = scene.lights[static_cast<std::size_t>(parameter.owner)].direction;
     return {InverseDistanceAt(u, range.from, range.most),
             InverseDistanceAt(u, range.from, range.least)};

@@ -13,7 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <limits>
 #include <vector>
 
 #include "estimator/model/reflectance/terms.h"
@@ -85,8 +85,11 @@ struct Reflectance {
 
 // How far all lights are from a point: what is known beside the pictures.
 struct DistanceRange {
-  double least = 0.0, most = 0.0;  // length unit; 0 < least < most
+  // Length unit; least is 0 where nothing is known.
+  double least = 0.0, most = std::numeric_limits<double>::infinity();
   Eigen::Vector3d from = Eigen::Vector3d::Zero();
+
+  bool known() const { return least > 0.0; }
 };
 
 struct Scene {
@@ -102,8 +105,8 @@ struct Scene {
   // For a fit: the lights' factors are unknowns (see solve/frame_factors.h), the ambient light's
   // harmonics are, and the diffuse part's departures are.
   bool free_factors = false, free_harmonics = false, free_shading = false;
-  // For a fit: the bounds of the lights' distances, if they are known.
-  std::optional<DistanceRange> distance{};
+  // For a fit: the bounds of the lights' distances.
+  DistanceRange distance{};
 
   // Whether any colour but the albedo is not white.
   bool coloured() const;

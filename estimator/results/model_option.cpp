@@ -83,11 +83,11 @@ Status ChooseNearness(const std::string& option, bool is_distance, const std::st
   const Status status = is_distance ? ChooseDistance(option, word, chosen)
                                     : ChooseOf(option, word, {"near", "distant"}, chosen.near);
   if (!status) return status;
-  if (chosen.distance && chosen.near == false)
+  if (chosen.distance.known() && chosen.near == false)
     return InputError("--model " + option +
                       ": lights at a known distance are not distant; give either distance or "
                       "lights-are=distant");
-  if (chosen.distance) chosen.near = true;
+  if (chosen.distance.known()) chosen.near = true;
   choice = chosen;
   return {};
 }

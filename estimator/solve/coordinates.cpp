@@ -13,11 +13,11 @@ void Scale(model::Reflectance& reflectance, double by) {
 
 }  // namespace
 
-std::optional<model::DistanceRange> ToSolver(const std::optional<model::DistanceRange>& range,
-                                             const observe::Observations& observations) {
-  if (!range) return std::nullopt;
-  return model::DistanceRange{range->least / observations.radius, range->most / observations.radius,
-                              -observations.reference / observations.radius};
+model::DistanceRange ToSolver(const model::DistanceRange& range,
+                              const observe::Observations& observations) {
+  if (!range.known()) return {};
+  return {range.least / observations.radius, range.most / observations.radius,
+          -observations.reference / observations.radius};
 }
 
 model::Scene ToSolver(const model::Scene& scene, const observe::Observations& observations) {
@@ -37,9 +37,9 @@ model::Scene ToWorld(const model::Scene& scene, const observe::Observations& obs
     light.inverse_distance /= observations.radius;
     light = model::Recentred(light, -observations.reference);
   }
-  if (out.distance)
-    out.distance = model::DistanceRange{scene.distance->least * observations.radius,
-                                        scene.distance->most * observations.radius};
+  if (out.distance.known())
+    out.distance = {scene.distance.least * observations.radius,
+                    scene.distance.most * observations.radius};
   Scale(out.reflectance, observations.radiance_unit);
   return out;
 }

@@ -2,8 +2,6 @@
 // back.
 #pragma once
 
-#include <optional>
-
 #include "estimator/model/scene.h"
 #include "estimator/observe/observations.h"
 
@@ -14,7 +12,7 @@ namespace turnlight::estimator::solve {
 model::Scene ToSolver(const model::Scene& scene, const observe::Observations& observations);
 model::Scene ToWorld(const model::Scene& scene, const observe::Observations& observations);
 // Distances from W's origin.
-std::optional<model::DistanceRange> ToSolver(const std::optional<model::DistanceRange>& range,
-                                             const observe::Observations& observations);
+model::DistanceRange ToSolver(const model::DistanceRange& range,
+                              const observe::Observations& observations);
 
 }  // namespace turnlight::estimator::solve

@@ -97,7 +97,7 @@ std::vector<Limits> LimitsOf(const model::Parameters& parameters, const model::S
 // Bounds of known distances go with the lights' directions.
 void FollowDirections(const model::Parameters& parameters, const model::Scene& scene,
                       std::vector<Limits>& limits) {
-  for (int l = 0; scene.distance && l < parameters.lights(); ++l) {
+  for (int l = 0; scene.distance.known() && l < parameters.lights(); ++l) {
     const int column = parameters.InverseDistance(l);
     limits[static_cast<std::size_t>(column)].within = model::LimitsOf(parameters[column], scene);
   }

@@ -8,6 +8,7 @@
 #include "estimator/solve/matched_filter.h"
 #include "estimator/start/eliminate_lights.h"
 #include "estimator/start/merge_lights.h"
+#include "estimator/start/score.h"
 
 namespace turnlight::estimator::start {
 namespace {
@@ -17,7 +18,6 @@ constexpr std::size_t kMostPeaks = 8;
 constexpr double kLeastGain = 0.05;  // of the best direction's
 constexpr int kMostRounds = 5;
 constexpr double kLeastFallPerRound = 1.2;  // of the excess variance
-constexpr double kLeastFallInAll = 3.0;     // of the excess variance
 constexpr std::size_t kMostLights = 40;     // more would cost more than they could tell
 
 // The best directions that are well apart.
@@ -59,10 +59,14 @@ Candidate AddMissingLights(const Sample& sample, Candidate candidate) {
     grown = std::move(more);
   }
   if (grown.scene.lights.size() == candidate.scene.lights.size()) return candidate;
-  if (!wanted && grown.excess * kLeastFallInAll > candidate.excess) return candidate;
+  // At least one must pay.
+  if (!wanted && grown.excess * RatioFor(kLightPrice) > candidate.excess) return candidate;
   // Only from a fit that explains the pictures can it be told which lights are needed.
   grown = Eliminate(sample, grown);
-  return !wanted && grown.excess * kLeastFallInAll > candidate.excess ? candidate : grown;
+  return wanted || BestOf(sample.choice,
+                          {{&candidate.scene, candidate.excess}, {&grown.scene, grown.excess}}) == 1
+             ? grown
+             : candidate;
 }
 
 }  // namespace turnlight::estimator::start

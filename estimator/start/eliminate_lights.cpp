@@ -5,11 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include "estimator/start/score.h"
+
 namespace turnlight::estimator::start {
 namespace {
 
-constexpr double kEliminationRatio = 3.0;  // of the excess variance; true lights gave 40 and more
-constexpr double kHardlyMissed = 1.2;      // of the excess variance: no need to try others
+constexpr double kHardlyMissed = 1.2;  // of the excess variance: no need to try others
 
 // The best fit without one of the weakest four lights; the first that is hardly missed will do.
 Candidate BestWithoutOne(const Sample& sample, const Candidate& full, double noise) {
@@ -44,7 +45,7 @@ Candidate Eliminate(const Sample& sample, const Candidate& fitted) {
   const auto wanted = static_cast<std::size_t>(sample.choice.lights.value_or(0));
   while (best.scene.lights.size() > wanted) {
     Candidate fewer = BestWithoutOne(sample, best, least);
-    if (!sample.choice.lights && fewer.excess >= kEliminationRatio * best.excess) break;
+    if (!sample.choice.lights && fewer.excess >= RatioFor(kLightPrice) * best.excess) break;
     best = std::move(fewer);
   }
   return Refit(sample, best, 40, sample.noise, kToKeep);

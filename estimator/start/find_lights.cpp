@@ -12,6 +12,7 @@
 #include "estimator/start/add_missing_lights.h"
 #include "estimator/start/eliminate_lights.h"
 #include "estimator/start/merge_lights.h"
+#include "estimator/start/score.h"
 #include "estimator/start/start_scene.h"
 
 namespace turnlight::estimator::start {
@@ -21,8 +22,6 @@ namespace reflectance = model::reflectance;
 
 constexpr std::size_t kMaxClusters = 12;
 constexpr int kLatticeLights = 24;
-constexpr double kRoughRatio = 1.25, kLobeRatio = 1.25, kCoatRatio = 1.25;
-constexpr double kColourRatio = 3.0;
 // Of the excess variance, in a direction of colours that neither shading nor highlights have.
 constexpr double kColourShare = 0.01;
 constexpr double kGrey = 0.02;           // of an albedo: what is no colour
@@ -53,25 +52,6 @@ Candidate WithDiffuse(Candidate candidate, model::DiffuseModel model) {
 Candidate WithLobe(Candidate candidate, model::SpecularModel model) {
   model::SetLobeModel(candidate.scene.reflectance, model);
   return candidate;
-}
-
-// Whether a is to be preferred. The simpler model is better unless the other makes the excess
-// variance smaller: three times for each light, 1.25 times for a rough surface. Of the same surface
-// three times will do for all lights together: each was needed already in its own fit.
-bool Better(const Sample& sample, const Candidate& a, const Candidate& b) {
-  const auto count = [](const Candidate& c) { return static_cast<int>(c.scene.lights.size()); };
-  if (sample.choice.lights) {
-    const int off_a = std::abs(count(a) - *sample.choice.lights);
-    const int off_b = std::abs(count(b) - *sample.choice.lights);
-    if (off_a != off_b) return off_a < off_b;
-  }
-  const double rough = (Rough(a) ? 1.0 : 0.0) - (Rough(b) ? 1.0 : 0.0);
-  const double coloured = (a.scene.free_colours ? 1.0 : 0.0) - (b.scene.free_colours ? 1.0 : 0.0);
-  const int more = count(a) - count(b);
-  const int worth = rough == 0.0 ? std::clamp(more, -1, 1) : more;
-  return a.excess * std::pow(kRatioPerLight, worth) * std::pow(kRoughRatio, rough) *
-             std::pow(kColourRatio, coloured) <
-         b.excess;
 }
 
 // Whether a fit with white lights leaves what only colours can explain: residuals that are neither
@@ -106,9 +86,10 @@ bool LeavesColour(const Sample& sample, const Candidate& candidate) {
 // The candidates so far, and what became of each.
 struct Search {
   const Sample& sample;
-  Candidate best, lowest;  // by Better and by the excess variance
-  std::string winner, tried;
-  bool done = false;
+  std::vector<Candidate> found;
+  std::vector<std::string> names;
+  std::string tried;
+  bool done = false;     // the last leaves nothing
   bool colours = false;  // of the lights are free
 
   // Returns the excess variance that the start led to.
@@ -125,21 +106,26 @@ struct Search {
     start = WithDiffuse(std::move(start), diffuse);
     start =
         WithLobe(std::move(start), sample.choice.specular.value_or(model::SpecularModel::kPhong));
-    Candidate found = AddMissingLights(sample, Eliminate(sample, FitAndMerge(sample, start.scene)));
-    const double excess = found.excess;
-    if (winner.empty() || excess < lowest.excess) lowest = found;
-    const std::string name =
-        std::string(from) + " with " + Name(diffuse) + (colours ? " and colours of their own" : "");
-    tried += (tried.empty() ? "" : "; ") + name +
-             Format(" lead to %zu lights with an excess variance of %.3g",
-                    found.scene.lights.size(), excess);
-    done = NothingLeft(excess, sample);
-    // Each light of what explains the pictures was needed for that: no better is to be had.
-    if (winner.empty() || done || Better(sample, found, best)) {
-      best = std::move(found);
-      winner = name;
-    }
-    return excess;
+    found.push_back(AddMissingLights(sample, Eliminate(sample, FitAndMerge(sample, start.scene))));
+    names.push_back(std::string(from) + " with " + Name(diffuse) +
+                    (colours ? " and colours of their own" : ""));
+    const Candidate& last = found.back();
+    tried += (tried.empty() ? "" : "; ") + names.back() +
+             Format(" lead to %zu lights with an excess variance of %.3g", last.scene.lights.size(),
+                    last.excess);
+    done = NothingLeft(last.excess, sample);
+    return last.excess;
+  }
+
+  std::size_t Best() const {
+    std::vector<Compared> compared;
+    for (const Candidate& one : found) compared.push_back({&one.scene, one.excess});
+    return BestOf(sample.choice, compared);
+  }
+  const Candidate& Lowest() const {
+    return *std::min_element(
+        found.begin(), found.end(),
+        [](const Candidate& a, const Candidate& b) { return a.excess < b.excess; });
   }
 };
 
@@ -151,35 +137,36 @@ Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>&
   for (const observe::MapPoint& cluster : clusters)
     if (directions.size() < kMaxClusters) directions.push_back(cluster.direction);
   const auto lattice = model::HemisphereDirections(kLatticeLights, MeanNormal(sample.pixels));
-  Search search{sample, {}, {}, {}, {}};
+  Search search{sample, {}, {}, {}};
   const bool grey = sample.pixels.channels == 1;
   search.colours = sample.choice.coloured.value_or(false) && !grey;
   model::DiffuseModel diffuse = sample.choice.diffuse.value_or(model::DiffuseModel::kLambert);
   const double first = search.Try("the intensity map's clusters", directions, diffuse);
-  if (!search.done && beyond && beyond(sample)) return std::move(search.best);
+  if (!search.done && beyond && beyond(sample)) return std::move(search.found.front());
   if (!search.done && !sample.choice.diffuse) {
     const double rough = search.Try("the clusters", directions, model::DiffuseModel::kOrenNayar);
     // Oren-Nayar can be as smooth as Lambert; Lambert has fewer ways to go wrong.
-    if (first > kRoughRatio * rough) diffuse = model::DiffuseModel::kOrenNayar;
+    if (first > RatioFor(kRoughPrice) * rough) diffuse = model::DiffuseModel::kOrenNayar;
   }
   if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
   // A fit of the other surface may have got past where this one stops.
   if (!search.done && !sample.choice.diffuse)
     search.Try(
-        "the lights of the least of these", search.lowest.scene,
-        Rough(search.lowest) ? model::DiffuseModel::kLambert : model::DiffuseModel::kOrenNayar);
-  if (!search.done && !sample.choice.coloured && !grey && LeavesColour(sample, search.lowest)) {
+        "the lights of the least of these", search.Lowest().scene,
+        Rough(search.Lowest()) ? model::DiffuseModel::kLambert : model::DiffuseModel::kOrenNayar);
+  if (!search.done && !sample.choice.coloured && !grey && LeavesColour(sample, search.Lowest())) {
     search.colours = true;
     search.Try("the clusters", directions, diffuse);
     if (!search.done) search.Try("a lattice of lights", lattice, diffuse);
   }
-  ladder.push_back({"start", true, search.tried + ". Taken: " + search.winner});
+  const std::size_t at = search.Best();
+  Candidate best = std::move(search.found[at]);
+  ladder.push_back({"start", true, search.tried + ". Taken: " + search.names[at]});
   if (sample.choice.lights)
-    ladder.push_back({"lights",
-                      static_cast<int>(search.best.scene.lights.size()) == *sample.choice.lights,
+    ladder.push_back({"lights", static_cast<int>(best.scene.lights.size()) == *sample.choice.lights,
                       Format("%d were asked for, %zu could be fitted", *sample.choice.lights,
-                             search.best.scene.lights.size())});
-  return std::move(search.best);
+                             best.scene.lights.size())});
+  return best;
 }
 
 Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
@@ -201,13 +188,14 @@ Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
   };
   Candidate smooth = with(model::DiffuseModel::kLambert),
             rough = with(model::DiffuseModel::kOrenNayar);
-  const bool accepted = Better(sample, rough, smooth);
+  const bool accepted =
+      BestOf(sample.choice, {{&smooth.scene, smooth.excess}, {&rough.scene, rough.excess}}) == 1;
   ladder.push_back(
       {"oren-nayar", accepted,
        Format("excess variance %.3g with Lambert and %zu lights, %.3g with Oren-Nayar and %zu; "
-              "rough from a ratio of %.2f, each light saved is worth %.0f",
+              "in the smaller of both a rough surface costs %.2f and each light %.0f",
               smooth.excess, smooth.scene.lights.size(), rough.excess, rough.scene.lights.size(),
-              kRoughRatio, kRatioPerLight)});
+              kRoughPrice, kLightPrice)});
   return accepted ? rough : smooth;
 }
 
@@ -248,17 +236,13 @@ double LeastExcess(const std::vector<Surface>& surfaces, const Condition& condit
   return least;
 }
 
-// The simplest is taken unless another is worth it: another lobe and a coat must each make the
-// excess so many times smaller, without more lights.
+// The best by the score, without more lights.
 Surface& Cheapest(const Sample& sample, std::vector<Surface>& surfaces) {
   Surface& simplest = surfaces.front();
-  const auto price = [&](const Surface& surface) {
-    return surface.fitted.excess * (surface.lobe == simplest.lobe ? 1.0 : kLobeRatio) *
-           (surface.diffuse == simplest.diffuse ? 1.0 : kCoatRatio);
-  };
-  Surface& best =
-      *std::min_element(surfaces.begin(), surfaces.end(),
-                        [&](const Surface& a, const Surface& b) { return price(a) < price(b); });
+  std::vector<Compared> compared;
+  for (const Surface& surface : surfaces)
+    compared.push_back({&surface.fitted.scene, surface.fitted.excess});
+  Surface& best = surfaces[BestOf(sample.choice, compared)];
   if (&best == &simplest) return simplest;
   const std::size_t lights = simplest.fitted.scene.lights.size();
   best.fitted = Eliminate(sample, best.fitted);
@@ -278,7 +262,7 @@ void TellLobes(const std::vector<Surface>& surfaces, const Surface& taken,
     ladder.push_back(
         {facts.word, taken.lobe == lobe,
          Format("excess variance %.3g with Phong, %.3g with %s; it counts from a ratio of %.2f",
-                phong, least(lobe), facts.name, kLobeRatio)});
+                phong, least(lobe), facts.name, RatioFor(kLobePrice))});
   }
 }
 
@@ -291,7 +275,7 @@ void TellCoat(const std::vector<Surface>& surfaces, const Surface& taken,
   ladder.push_back({model::FactsOf(model::DiffuseModel::kCoated).word, taken.coated(),
                     Format("excess variance %.3g without a coat over the diffuse part, %.3g with "
                            "one; it counts from a ratio of %.2f",
-                           least(false), least(true), kCoatRatio)});
+                           least(false), least(true), RatioFor(kCoatPrice))});
 }
 
 // What is not varied, because the user chose it or nothing is left to explain.

@@ -12,20 +12,19 @@ namespace turnlight::estimator::start {
 
 // From the intensity map's clusters; if they and what they miss do not explain the pictures, also
 // with Oren-Nayar, from an over-complete lattice of lights, and from the lights of what left the
-// least with the other diffuse model. Each is fitted and thinned out, and the best stays: more
-// lights must make the excess variance three times smaller, each of them where the diffuse models
-// differ; Oren-Nayar 1.25 times. Where all that leaves too much, and there are colours, also with
-// lights of their own colours, which must make it three times smaller. beyond (optional): where it
-// says so the search ends with what the clusters led to.
+// least with the other diffuse model; where all that leaves too much, and there are colours, also
+// with lights of their own colours. Each is fitted and thinned out, until one leaves nothing, and
+// the best by the score (score.h) stays. beyond (optional): where it says so the search ends with
+// what the clusters led to.
 Candidate FindLights(const Sample& sample, const std::vector<observe::MapPoint>& clusters,
                      std::vector<model::Rung>& ladder, const Beyond& beyond = {});
 
-// Lambert or Oren-Nayar for these lights, by the same rule.
+// Lambert or Oren-Nayar for these lights, by the same score.
 Candidate ChooseDiffuse(const Sample& sample, const Candidate& candidate,
                         std::vector<model::Rung>& ladder);
 
 // The lobe for these lights, and whether the diffuse part lies under a coat: another lobe than
-// Phong's, or a coat, only if it makes the excess variance 1.25 times smaller.
+// Phong's, or a coat, only if the score says so.
 Candidate ChooseLobeAndCoat(const Sample& sample, const Candidate& candidate,
                             std::vector<model::Rung>& ladder);
 

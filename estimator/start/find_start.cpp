@@ -6,6 +6,7 @@
 
 #include "base/angles.h"
 #include "estimator/observe/sampling.h"
+#include "estimator/start/add_missing_lights.h"
 #include "estimator/start/find_lights.h"
 #include "estimator/start/fit_guess.h"
 #include "estimator/start/held_out.h"
@@ -16,6 +17,37 @@ namespace {
 
 // Pixels that a start is found on; with noise of more than 2 % of white more, up to eight times.
 constexpr double kSampleSize = 6000.0, kSampledNoise = 0.02, kMostSamples = 8.0;
+constexpr int kMostImprovements = 3;
+
+// Whether two are of the same model: as many lights on the same kind of surface.
+bool AreAlike(const model::Scene& a, const model::Scene& b) {
+  const auto same_lobe = [&](std::size_t k) {
+    return a.reflectance.lobes[k].model == b.reflectance.lobes[k].model;
+  };
+  return a.lights.size() == b.lights.size() && same_lobe(0) && same_lobe(1) &&
+         a.reflectance.diffuse_model == b.reflectance.diffuse_model;
+}
+
+// The diffuse model, the lobes and, once the surface is another one, the lights again, until
+// nothing changes. Rungs are those of the last round that changed something.
+Candidate Improve(const Sample& sample, Candidate candidate, std::vector<model::Rung>& ladder) {
+  std::vector<model::Rung> told;
+  for (int round = 0; round < kMostImprovements && !StopRequested(sample.stop); ++round) {
+    std::vector<model::Rung> rungs;
+    const model::Scene before = candidate.scene;
+    candidate = ChooseDiffuse(sample, candidate, rungs);
+    candidate = ChooseLobeAndCoat(sample, candidate, rungs);
+    candidate = ChooseSecondLobe(sample, candidate, rungs);
+    const bool same = AreAlike(candidate.scene, before);
+    if (round == 0 || !same) told = std::move(rungs);
+    if (same || NothingLeft(candidate.excess, sample)) break;
+    const std::size_t lights = candidate.scene.lights.size();
+    candidate = AddMissingLights(sample, std::move(candidate));
+    if (candidate.scene.lights.size() == lights) break;
+  }
+  ladder.insert(ladder.end(), told.begin(), told.end());
+  return candidate;
+}
 
 }  // namespace
 
@@ -40,9 +72,7 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
         sample, clusters, out.ladder,
         beyond ? Beyond([&](const Sample& asked) { return ended = beyond(asked); }) : Beyond());
     if (ended) return out;
-    candidate = ChooseDiffuse(sample, candidate, out.ladder);
-    candidate = ChooseLobeAndCoat(sample, candidate, out.ladder);
-    candidate = ChooseSecondLobe(sample, candidate, out.ladder);
+    candidate = Improve(sample, std::move(candidate), out.ladder);
     candidate =
         CheckHeldOut(observe::Subsample(all, static_cast<std::size_t>(kSampleSize), 2, by_keyframe),
                      sample, std::move(candidate), out.ladder);

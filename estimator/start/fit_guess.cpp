@@ -3,13 +3,14 @@
 #include "base/format.h"
 #include "estimator/solve/coordinates.h"
 #include "estimator/start/find_lights.h"
+#include "estimator/start/score.h"
 #include "estimator/start/start_scene.h"
 
 namespace turnlight::estimator::start {
 namespace {
 
-constexpr double kLeastFallElsewhere =
-    3.0;  // of the excess variance, for lights that were not given
+// What lights must explain that are not those that were given, as a light.
+constexpr double kElsewherePrice = kLightPrice;
 
 const Eigen::Vector3d kWhite = Eigen::Vector3d::Ones();
 
@@ -104,8 +105,8 @@ Candidate FitGuess(const Sample& sample, const model::InitialGuess& guess,
     as_many.choice.lights = static_cast<int>(count);
     std::vector<model::Rung> own;
     Candidate found = FindLights(as_many, clusters, own);
-    const bool elsewhere =
-        found.scene.lights.size() == count && found.excess * kLeastFallElsewhere < fitted.excess;
+    const bool elsewhere = found.scene.lights.size() == count &&
+                           found.excess * RatioFor(kElsewherePrice) < fitted.excess;
     ladder.push_back({"initial", !elsewhere,
                       Format("from the lights given the excess variance is %.3g, without them %.3g",
                              fitted.excess, found.excess)});

@@ -6,13 +6,12 @@
 #include "estimator/solve/footprints.h"
 #include "estimator/solve/prediction.h"
 #include "estimator/start/eliminate_lights.h"
+#include "estimator/start/score.h"
 
 namespace turnlight::estimator::start {
 namespace {
 
 constexpr double kLeastShare = 0.002;  // of all light
-constexpr double kLeastExcessRatio =
-    3.0;  // of the excess variance without the light to that with it
 
 struct Fit {
   solve::Prediction model;
@@ -59,7 +58,7 @@ Candidate CheckHeldOut(const observe::Observations& held_out, const Sample& samp
     const double ratio = ExcessVariance(without.square / values, sample.noise) /
                          ExcessVariance(with.square / values, sample.noise);
     const bool matters =
-        without.square > with.square && (share > kLeastShare || ratio > kLeastExcessRatio);
+        without.square > with.square && (share > kLeastShare || ratio > RatioFor(kLightPrice));
     const Eigen::Vector3d& u = scene.lights[l].direction;
     ladder.push_back(
         {"held-out light", matters,
@@ -67,7 +66,7 @@ Candidate CheckHeldOut(const observe::Observations& held_out, const Sample& samp
                 "pixels, and without it their excess variance is %.3g times as large; it counts "
                 "from %.1g %% or %.0f times",
                 u.x(), u.y(), u.z(), 100.0 * share, ratio, 100.0 * kLeastShare,
-                kLeastExcessRatio)});
+                RatioFor(kLightPrice))});
     if (matters || sample.choice.lights) kept.push_back(scene.lights[l]);
   }
   if (kept.size() == scene.lights.size()) return candidate;

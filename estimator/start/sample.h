@@ -15,9 +15,6 @@ struct Sample {
   const StopFlag* stop = nullptr;  // set: every fit ends at its next iteration
 };
 
-// What one light more must make the excess variance smaller by.
-inline constexpr double kRatioPerLight = 3.0;
-
 // How many values, pixels times channels, a sample has.
 double ValuesIn(const observe::Observations& pixels);
 

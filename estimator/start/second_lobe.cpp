@@ -5,13 +5,13 @@
 
 #include "base/format.h"
 #include "estimator/start/eliminate_lights.h"
+#include "estimator/start/score.h"
 
 namespace turnlight::estimator::start {
 namespace {
 
 constexpr double kWidths = 4.0;      // of the first lobe's width, or one over it
 constexpr double kFirstPeak = 0.25;  // of the first lobe's
-constexpr double kRatio = 2.0;       // in excess variance: two parameters more
 constexpr char kRung[] = "second-lobe";
 
 // widths: how many times as broad the second lobe is.
@@ -47,7 +47,8 @@ Candidate ChooseSecondLobe(const Sample& sample, const Candidate& candidate,
       best = std::move(fitted);
   }
   PutSharperFirst(best);
-  bool accepted = asked || best.excess * kRatio < candidate.excess;
+  bool accepted = asked || BestOf(sample.choice, {{&candidate.scene, candidate.excess},
+                                                  {&best.scene, best.excess}}) == 1;
   if (accepted && !asked) {
     best = Eliminate(sample, best);
     accepted = best.scene.lights.size() <= candidate.scene.lights.size();
@@ -56,7 +57,7 @@ Candidate ChooseSecondLobe(const Sample& sample, const Candidate& candidate,
                     asked ? "as asked for"
                           : Format("excess variance %.3g with one lobe, %.3g with a sharp and a "
                                    "broad one; it counts from a ratio of %.1f",
-                                   candidate.excess, best.excess, kRatio)});
+                                   candidate.excess, best.excess, RatioFor(kSecondLobePrice))});
   return accepted ? best : candidate;
 }
 

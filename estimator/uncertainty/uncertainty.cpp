@@ -58,7 +58,8 @@ std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unk
 // What is known of a parameter beside the pictures, as one over a variance: of a distance within
 // bounds that of a uniform distribution.
 double InformationOf(const model::Parameter& parameter, const model::Scene& scene) {
-  if (parameter.kind != model::ParameterKind::kInverseDistance || !scene.distance) return 0.0;
+  if (parameter.kind != model::ParameterKind::kInverseDistance || !scene.distance.known())
+    return 0.0;
   const model::ParameterLimits limits = model::LimitsOf(parameter, scene);
   return 12.0 / std::pow(limits.high - limits.low, 2);
 }

@@ -58,14 +58,14 @@ TEST(ModelOption, EachValueIsTaken) {
 
 TEST(ModelOption, ADistanceIsARangeOrKnownToAThousandth) {
   const ModelChoice range = Chosen("distance=1300..1500.5");
-  ASSERT_TRUE(range.distance);
-  EXPECT_EQ(range.distance->least, 1300.0);
-  EXPECT_EQ(range.distance->most, 1500.5);
+  ASSERT_TRUE(range.distance.known());
+  EXPECT_EQ(range.distance.least, 1300.0);
+  EXPECT_EQ(range.distance.most, 1500.5);
   EXPECT_EQ(range.near, true);
   const ModelChoice one = Chosen("distance=2e3");
-  ASSERT_TRUE(one.distance);
-  EXPECT_NEAR(one.distance->least, 1998.0, 1e-9);
-  EXPECT_NEAR(one.distance->most, 2002.0, 1e-9);
+  ASSERT_TRUE(one.distance.known());
+  EXPECT_NEAR(one.distance.least, 1998.0, 1e-9);
+  EXPECT_NEAR(one.distance.most, 2002.0, 1e-9);
   for (const char* const word :
        {"", "0", "-5", "1500..1300", "1300..1300", "1300..", "..1500", "far", "1300-1500",
         "1..2..3", "nan", "1..inf", "0..5", "13 .. 15"})
@@ -82,7 +82,7 @@ TEST(ModelOption, AKnownDistanceIsNotDistant) {
   const Status status = ApplyModelOption("distance=5", choice);
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().text, HasSubstr("lights-are=distant"));
-  EXPECT_FALSE(choice.distance);
+  EXPECT_FALSE(choice.distance.known());
 }
 
 TEST(ModelOption, TheRestIsLeftToTheData) {

@@ -7,6 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "tests/estimator/start/noisy_sample.h"
 
 namespace turnlight::estimator::start {
@@ -25,6 +28,31 @@ TEST(FindLights, FromClustersAndWithoutAny) {
     ASSERT_EQ(ladder.size(), 1u);
     EXPECT_EQ(ladder[0].rung, "start");
     EXPECT_THAT(ladder[0].why, HasSubstr("Taken: "));
+  }
+}
+
+// Of what is explained, and of what no model at hand explains: a fifth more light on one side.
+TEST(FindLights, TheOrderOfTheStartsIsNothing) {
+  for (const bool explained : {true, false}) {
+    model::Scene truth = TwoLights();
+    truth.lights.push_back(ThirdLight());
+    Sample sample = NoisySample(truth);
+    if (!explained)
+      for (std::size_t i = 0; i < sample.pixels.size(); ++i)
+        for (auto& channel : sample.pixels.radiance)
+          if (!channel.empty() && sample.pixels.normal[0][i] > 0.2f) channel[i] *= 1.2f;
+    std::vector<observe::MapPoint> clusters = ClustersOf(sample);
+    ASSERT_GE(clusters.size(), 2u);
+    std::vector<model::Rung> ladder;
+    const Candidate first = FindLights(sample, clusters, ladder);
+    std::mt19937 random(3);
+    for (int order = 0; order < 4; ++order) {
+      std::shuffle(clusters.begin(), clusters.end(), random);
+      const Candidate again = FindLights(sample, clusters, ladder);
+      ASSERT_EQ(again.scene.lights.size(), first.scene.lights.size()) << explained;
+      EXPECT_LT(WorstDirectionDeg(again.scene.lights, first.scene.lights), 0.01) << explained;
+      EXPECT_NEAR(again.excess / first.excess, 1.0, 1e-3);
+    }
   }
 }
 
