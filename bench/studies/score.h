@@ -41,9 +41,13 @@ Quantity QuantityFromJson(const Json& json);
 std::vector<Quantity> CompareWithTruth(const estimator::model::Scene& truth, const Json& result,
                                        const std::vector<Match>& matches, double max_angle_deg);
 
-// The part of a record that every study of estimates shares: lights_true, lights_found, right (the
-// count), angles_deg (of the true lights, null: not found), quantities, notes (codes), rms, pixels,
-// time_s, iterations, say (one line for people).
+// The first keys of a record, all that directions alone can tell: lights_true, lights_found, right
+// (the count), angles_deg (of the true lights, null: not found).
+Json ScoreDirections(const std::vector<Eigen::Vector3d>& truth,
+                     const std::vector<Eigen::Vector3d>& found);
+
+// The part of a record that every study of estimates shares: those, quantities, notes (codes), rms,
+// pixels, time_s, iterations, say (one line for people).
 Json Score(const estimator::model::Scene& truth, const Json& result);
 
 }  // namespace turnlight::studies
