@@ -126,7 +126,8 @@ void AcceptBall(Summary& out, const Tally& singles, const Tally& sums) {
                std::max(2.0 * InterpolatedQuantile(all.errors, 0.5), kBallTruthDeg), "deg");
   const std::size_t one = Within(all.in_sigmas, 1.0);
   Accept(out, "glossy ball: within 1 sigma", one, all.in_sigmas.size(), 0.60);
-  AcceptAtMost(out, "glossy ball: within 1 sigma, not too many", Percent(one, all.in_sigmas.size()), 85.0, "%");
+  AcceptAtMost(out, "glossy ball: within 1 sigma, not too many", Percent(one, all.in_sigmas.size()),
+               85.0, "%");
   Accept(out, "glossy ball: within 2 sigma", Within(all.in_sigmas, 2.0), all.in_sigmas.size(),
          0.90);
 }
@@ -199,7 +200,8 @@ Summary SummarisePhotographs(const StudyFile& file) {
   AcceptGray(out, of("gray-1"), of("gray-2"));
   AcceptNotes(out, of(""));
   out.text +=
-      "\n  errors of the lights that were found and the median stated sigma, in degrees; % within 1 "
+      "\n  errors of the lights that were found and the median stated sigma, in degrees; % within "
+      "1 "
       "and 2\n  sigma to which the truth's own error is added (0.4 degrees, gray ball 1.0); median "
       "processor time\n  of an answer, seconds (the script's is mostly the start of python)\n";
   out.text += Format("  %-21s %-18s %9s %7s %7s %7s %7s %5s %5s %7s\n", "photographs", "method",

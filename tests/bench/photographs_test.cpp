@@ -130,7 +130,8 @@ TEST(Sums, KeepEachOnesLevels) {
 
 TEST(Choice, IsApartAndTheSameEachTime) {
   std::vector<Vector3d> directions;
-  for (int i = 0; i < 12; ++i) directions.push_back(Tilted(10.0 * (i % 4) - 15.0, 12.0 * (i / 4)));
+  for (const double x_deg : {-15.0, -5.0, 5.0, 15.0})
+    for (const double y_deg : {0.0, 12.0, 24.0}) directions.push_back(Tilted(x_deg, y_deg));
   const auto chosen = ChooseApart(directions, 3, 20.0, 5);
   ASSERT_EQ(chosen.size(), 5u);
   EXPECT_EQ(chosen, ChooseApart(directions, 3, 20.0, 5));
@@ -270,23 +271,23 @@ TEST(Page, BeginsWithThePhotographs) {
 class RealPhotographs : public testing::Test {
  protected:
   void SetUp() override {
-    if (!fs::exists(data_ / "diligent_ball")) GTEST_SKIP() << data_ << " is not there";
+    if (!fs::exists(data / "diligent_ball")) GTEST_SKIP() << data << " is not there";
   }
-  fs::path data_ = TURNLIGHT_SHARED_DATA;
-  TemporaryFolder folder_;
+  fs::path data = TURNLIGHT_SHARED_DATA;
+  TemporaryFolder folder;
 };
 
 TEST_F(RealPhotographs, AreSummedAsElsewhere) {
-  const fs::path balls = data_ / "diligent_ball";
-  ASSERT_TRUE(WriteSum({balls / "single_003", balls / "single_067"}, folder_.path() / "sum"));
-  const auto ours = rig::ReadImage(folder_.path() / "sum" / "frames/000.png");
+  const fs::path balls = data / "diligent_ball";
+  ASSERT_TRUE(WriteSum({balls / "single_003", balls / "single_067"}, folder.path() / "sum"));
+  const auto ours = rig::ReadImage(folder.path() / "sum" / "frames/000.png");
   const auto theirs = rig::ReadImage(balls / "sum2_003_067" / "frames/000.png");
   ASSERT_TRUE(ours && theirs);
   EXPECT_LE(cv::norm(*ours, *theirs, cv::NORM_INF), 1.0);
 }
 
 TEST_F(RealPhotographs, AreThereOnceEach) {
-  const auto scenes = PhotographScenes(data_);
+  const auto scenes = PhotographScenes(data);
   ASSERT_TRUE(scenes) << scenes.error().text;
   std::map<std::string, int> sets;
   std::set<std::string> ids;
@@ -303,7 +304,7 @@ TEST_F(RealPhotographs, AreThereOnceEach) {
 }
 
 TEST_F(RealPhotographs, AreMeasuredByAllMethods) {
-  const auto jobs = PhotographJobs(data_, {0, 1}, folder_.path());
+  const auto jobs = PhotographJobs(data, {0, 1}, folder.path());
   ASSERT_TRUE(jobs) << jobs.error().text;
   const auto file = RunJobs("photographs", *jobs, {});
   ASSERT_TRUE(file) << file.error().text;
