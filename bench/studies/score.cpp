@@ -13,8 +13,6 @@ namespace {
 using estimator::model::Light;
 using estimator::model::Scene;
 
-// Beyond this a found light is not the true one, and their other values are not compared.
-constexpr double kSameLightDeg = 10.0;
 constexpr const char* kChannels[] = {"r", "g", "b"};
 
 Eigen::Vector3d Vector(const Json& json) {
@@ -162,7 +160,7 @@ Json ScoreDirections(const std::vector<Eigen::Vector3d>& truth,
   return record;
 }
 
-Json Score(const Scene& truth, const Json& result) {
+Json Score(const Scene& truth, const Json& result, double same_light_deg) {
   std::vector<Eigen::Vector3d> true_directions, found_directions;
   for (const Light& light : truth.lights) true_directions.push_back(light.direction);
   for (const Json& light : result["lights"]) found_directions.push_back(Vector(light["direction"]));
@@ -172,7 +170,7 @@ Json Score(const Scene& truth, const Json& result) {
   // With the right count a light far off is an error to be counted; else it may be another light.
   record["quantities"] = Json::array();
   for (const Quantity& quantity :
-       CompareWithTruth(truth, result, matches, right ? 180.0 : kSameLightDeg))
+       CompareWithTruth(truth, result, matches, right ? 180.0 : same_light_deg))
     record["quantities"].push_back(ToJson(quantity));
   record["diffuse_model"] = result["model"]["diffuse"];
   record["specular_model"] = result["model"]["specular"];

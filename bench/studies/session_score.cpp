@@ -27,7 +27,10 @@ Json EstimateAndScoreSession(const std::filesystem::path& folder,
   const std::chrono::duration<double> total = std::chrono::steady_clock::now() - start;
   const std::string json = estimator::results::ResultToJson(
       done->output.estimate, done->session.name, options.method, {done->load_s, total.count()});
-  Json record = Score(truth->scene, Json::parse(json));
+  // A direction is judged by its sigma however far off it is.
+  constexpr double kAll = 180.0;
+  Json record =
+      Score(truth->scene, Json::parse(json), truth->directions_only ? kAll : kSameLightDeg);
   if (!truth->directions_only) return record;
   Json directions = Json::array();
   for (const Json& quantity : record["quantities"])
