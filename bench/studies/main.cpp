@@ -1,6 +1,8 @@
 // study: measures the estimator on many scenes. `study NAME --help` tells the options.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
@@ -68,6 +70,25 @@ CLI::App* AddStudy(CLI::App& app, const char* name, const char* what, const char
   return command;
 }
 
+// A study of sessions that lie outside of the repository.
+CLI::App* AddDataStudy(CLI::App& app, const char* name, const char* what, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->add_option("--data", arguments.data, "The folder of the sessions");
+  AddRunOptions(command, arguments);
+  return command;
+}
+
+CLI::App* AddReport(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand(
+      "report", "Writes docs/accuracy.md and docs/stability.md from the results");
+  arguments.data = TURNLIGHT_SOURCE_DIR "/bench/studies/results";
+  arguments.file = TURNLIGHT_SOURCE_DIR "/docs";
+  command->add_option("--results", arguments.data, "The folder of the results")
+      ->default_str("bench/studies/results");
+  command->add_option("--docs", arguments.file, "Where to write")->default_str("docs");
+  return command;
+}
+
 int RunScenes(const char* study, std::vector<Job> (*jobs)(Range), const Arguments& arguments) {
   const auto range = ParseRange(arguments.scenes);
   return range ? Run(study, jobs(*range), arguments) : Refuse(range.error());
@@ -76,6 +97,26 @@ int RunScenes(const char* study, std::vector<Job> (*jobs)(Range), const Argument
 int RunSessions(const Arguments& arguments) {
   const auto jobs = SessionJobs(arguments.data);
   return jobs ? Run("sessions", *jobs, arguments) : Refuse(jobs.error());
+}
+
+// A folder that is gone at the end with all that is in it.
+struct ScratchFolder {
+  std::string path = (std::filesystem::temp_directory_path() / "study-XXXXXX").string();
+  bool made = mkdtemp(path.data()) != nullptr;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (made) std::filesystem::remove_all(path, ignored);
+  }
+};
+
+int RunPhotographs(const Arguments& arguments) {
+  constexpr Range kAll{0, 1000000};
+  const auto range = arguments.scenes.empty() ? Result<Range>(kAll) : ParseRange(arguments.scenes);
+  if (!range) return Refuse(range.error());
+  const ScratchFolder scratch;
+  if (!scratch.made) return Refuse({ErrorKind::kSystem, scratch.path + ": cannot be made"});
+  const auto jobs = PhotographJobs(arguments.data, *range, scratch.path);
+  return jobs ? Run("photographs", *jobs, arguments) : Refuse(jobs.error());
 }
 
 int RunExtremes(const Arguments& arguments) {
@@ -110,7 +151,8 @@ int MakeReport(const Arguments& arguments) {
 int Main(int argc, char** argv) {
   CLI::App app("Measures the estimator on many scenes");
   app.require_subcommand(1);
-  Arguments random, eight, handstart, coverage, lights, hard, shifted, extremes, sessions, summary,
+  Arguments random, eight, handstart, coverage, lights, hard, shifted, extremes, sessions,
+      photographs, summary,
       report, config;
   CLI::App* random_command = AddStudy(
       app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
@@ -132,21 +174,19 @@ int Main(int argc, char** argv) {
       app.add_subcommand("extremes", "One thing at a time taken to its extreme");
   extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");
   AddRunOptions(extremes_command, extremes);
-  CLI::App* sessions_command = app.add_subcommand(
-      "sessions", "Sessions with a truth.json that were made or photographed elsewhere, no hint");
-  sessions_command->add_option("--data", sessions.data, "The folder of the sessions");
-  AddRunOptions(sessions_command, sessions);
+  CLI::App* sessions_command = AddDataStudy(
+      app, "sessions",
+      "Sessions with a truth.json that were made or photographed elsewhere, no hint", sessions);
+  CLI::App* photographs_command =
+      AddDataStudy(app, "photographs",
+                   "Photographs of balls under one to four lights, by three methods", photographs);
+  photographs_command->add_option("--scenes", photographs.scenes, "A:B, the scenes A to B - 1")
+      ->default_str("all");
   CLI::App* summary_command = app.add_subcommand("summary", "Prints a results file's figures");
   summary_command->add_option("FILE", summary.file, "Results")->required();
   summary_command->add_option("--worst", summary.worst, "How many of the worst scenes are listed");
   summary_command->add_flag("--check", summary.check, "Exit code 1 unless every figure holds");
-  CLI::App* report_command = app.add_subcommand(
-      "report", "Writes docs/accuracy.md and docs/stability.md from the results");
-  report.data = TURNLIGHT_SOURCE_DIR "/bench/studies/results";
-  report.file = TURNLIGHT_SOURCE_DIR "/docs";
-  report_command->add_option("--results", report.data, "The folder of the results")
-      ->default_str("bench/studies/results");
-  report_command->add_option("--docs", report.file, "Where to write")->default_str("docs");
+  CLI::App* report_command = AddReport(app, report);
   CLI::App* config_command =
       app.add_subcommand("config", "Prints a random scene as a config of `turnlight synthesize`");
   config_command->add_option("NUMBER", config.number, "The scene's number")->required();
@@ -161,6 +201,7 @@ int Main(int argc, char** argv) {
   if (*shifted_command) return RunScenes("shifted", ShiftedJobs, shifted);
   if (*extremes_command) return RunExtremes(extremes);
   if (*sessions_command) return RunSessions(sessions);
+  if (*photographs_command) return RunPhotographs(photographs);
   if (*summary_command) return PrintSummary(summary);
   if (*report_command) return MakeReport(report);
   return PrintConfig(config);

@@ -7,10 +7,12 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
 #include "base/format.h"
+#include "bench/studies/photograph_summary.h"
 #include "bench/studies/summary_parts.h"
 #include "bench/studies/svg_chart.h"
 
@@ -125,6 +127,41 @@ Result<std::string> RandomSection(const StudyFile& file, const std::filesystem::
   return text;
 }
 
+std::string PhotographPlot(const StudyFile& file) {
+  constexpr double kHigh = 2.0;
+  std::vector<Series> series;
+  for (const char* method : kPhotographMethods) {
+    auto errors = PhotographErrors(file, "ball-", method);
+    if (!errors.empty())
+      series.push_back(Cumulative(WordsOfMethod(method), std::move(errors), kHigh));
+  }
+  return SvgChart("Photographs of a glossy ball, 1 to 4 lights",
+                  {"direction off by at most, degrees", 0.0, kHigh, false},
+                  {"% of the lights, their number being right", 0.0, 100.0, false}, series);
+}
+
+Result<std::string> PhotographSection(const std::filesystem::path& results,
+                                      const std::filesystem::path& docs) {
+  const char* title = "Real photographs";
+  if (!std::filesystem::exists(results / "photographs.json"))
+    return std::string("\n## ") + title +
+           "\n\nNot measured: there is no `photographs.json` with the results.\n";
+  const auto file = ReadStudyFile(results / "photographs.json");
+  if (!file) return Forward(file);
+  if (const Status status =
+          WriteFileAtomic(docs / "accuracy" / "photographs.svg", PhotographPlot(*file));
+      !status)
+    return Forward(status);
+  return Section(*file, title,
+                 "A glossy ball (DiLiGenT; its highlights are clipped) and a gray, veined one, one "
+                 "view each, under one light and with several photographs added up "
+                 "(`bench/studies/photographs.h`). Beside turnlight the paper's method and a short "
+                 "script that mirrors the view at the middle of each highlight "
+                 "(`bench/peers/highlight_centroids.py`). The photographs are not part of the "
+                 "repository.") +
+         "\n![](accuracy/photographs.svg)\n";
+}
+
 std::string CellRow(const Json& record) {
   const std::string begin = "| " + record["setting"].get<std::string>() + " | ";
   const std::string time = Format("%.2g s", record.value("job_s", 0.0));
@@ -191,6 +228,9 @@ Status WriteReport(const std::filesystem::path& results, const std::filesystem::
       "`bench/studies`; this page is made by `build/release/study report`. An error is in sigmas "
       "of the `sigma_total` that the result states; `% within` counts quantities, each light's "
       "apart.\n";
+  const auto photographs = PhotographSection(results, docs);
+  if (!photographs) return Forward(photographs);
+  text += *photographs;
   const auto read = [&](const char* name) {
     return ReadStudyFile(results / (std::string(name) + ".json"));
   };

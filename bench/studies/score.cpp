@@ -13,8 +13,6 @@ namespace {
 using estimator::model::Light;
 using estimator::model::Scene;
 
-// Beyond this a found light is not the true one, and their other values are not compared.
-constexpr double kSameLightDeg = 10.0;
 constexpr const char* kChannels[] = {"r", "g", "b"};
 
 Eigen::Vector3d Vector(const Json& json) {
@@ -150,22 +148,29 @@ std::vector<Quantity> CompareWithTruth(const Scene& truth, const Json& result,
   return quantities;
 }
 
-Json Score(const Scene& truth, const Json& result) {
+Json ScoreDirections(const std::vector<Eigen::Vector3d>& truth,
+                     const std::vector<Eigen::Vector3d>& found) {
+  Json record;
+  record["lights_true"] = truth.size();
+  record["lights_found"] = found.size();
+  record["right"] = truth.size() == found.size();
+  record["angles_deg"] = Json(std::vector<Json>(truth.size()));
+  for (const Match& match : MatchLights(truth, found))
+    record["angles_deg"][match.truth] = Rounded(match.angle_deg);
+  return record;
+}
+
+Json Score(const Scene& truth, const Json& result, double same_light_deg) {
   std::vector<Eigen::Vector3d> true_directions, found_directions;
   for (const Light& light : truth.lights) true_directions.push_back(light.direction);
   for (const Json& light : result["lights"]) found_directions.push_back(Vector(light["direction"]));
+  Json record = ScoreDirections(true_directions, found_directions);
+  const bool right = record["right"];
   const auto matches = MatchLights(true_directions, found_directions);
-  const bool right = true_directions.size() == found_directions.size();
-  Json record;
-  record["lights_true"] = true_directions.size();
-  record["lights_found"] = found_directions.size();
-  record["right"] = right;
-  record["angles_deg"] = Json(std::vector<Json>(true_directions.size()));
-  for (const Match& match : matches) record["angles_deg"][match.truth] = Rounded(match.angle_deg);
   // With the right count a light far off is an error to be counted; else it may be another light.
   record["quantities"] = Json::array();
   for (const Quantity& quantity :
-       CompareWithTruth(truth, result, matches, right ? 180.0 : kSameLightDeg))
+       CompareWithTruth(truth, result, matches, right ? 180.0 : same_light_deg))
     record["quantities"].push_back(ToJson(quantity));
   record["diffuse_model"] = result["model"]["diffuse"];
   record["specular_model"] = result["model"]["specular"];

@@ -12,6 +12,9 @@
 
 namespace turnlight::studies {
 
+// Beyond this a found light is taken for another one than the true one that is matched with it.
+inline constexpr double kSameLightDeg = 10.0;
+
 struct Match {
   std::size_t truth = 0, found = 0;
   double angle_deg = 0.0;  // between the directions from W's origin
@@ -41,9 +44,15 @@ Quantity QuantityFromJson(const Json& json);
 std::vector<Quantity> CompareWithTruth(const estimator::model::Scene& truth, const Json& result,
                                        const std::vector<Match>& matches, double max_angle_deg);
 
-// The part of a record that every study of estimates shares: lights_true, lights_found, right (the
-// count), angles_deg (of the true lights, null: not found), quantities, notes (codes), rms, pixels,
-// time_s, iterations, say (one line for people).
-Json Score(const estimator::model::Scene& truth, const Json& result);
+// The first keys of a record, all that directions alone can tell: lights_true, lights_found, right
+// (the count), angles_deg (of the true lights, null: not found).
+Json ScoreDirections(const std::vector<Eigen::Vector3d>& truth,
+                     const std::vector<Eigen::Vector3d>& found);
+
+// The part of a record that every study of estimates shares: those, quantities, notes (codes), rms,
+// pixels, time_s, iterations, say (one line for people). Where the count is wrong, lights further
+// off than same_light_deg have no quantities.
+Json Score(const estimator::model::Scene& truth, const Json& result,
+           double same_light_deg = kSameLightDeg);
 
 }  // namespace turnlight::studies

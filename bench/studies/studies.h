@@ -61,4 +61,10 @@ std::vector<Job> ExtremeJobs();
 // truth.json. Each is estimated without a hint by the program's own function.
 Result<std::vector<Job>> SessionJobs(const std::filesystem::path& data);
 
+// Scenes [begin, end) of those of photographs.h that the folder of data gives, each without a hint
+// by the program's own function, by the paper's method and by bench/peers/highlight_centroids.py.
+// Sums are written to the folder `scratch`, one for each job while it runs.
+Result<std::vector<Job>> PhotographJobs(const std::filesystem::path& data, Range scenes,
+                                        const std::filesystem::path& scratch);
+
 }  // namespace turnlight::studies

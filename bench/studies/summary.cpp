@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/format.h"
+#include "bench/studies/photograph_summary.h"
 #include "bench/studies/summary_parts.h"
 
 namespace turnlight::studies {
@@ -155,6 +156,7 @@ Summary SummariseHandStart(const StudyFile& file, int worst) {
 
 Summary Summarise(const StudyFile& file, int worst) {
   if (file.study == "sessions") return SummariseSessions(file);
+  if (file.study == "photographs") return SummarisePhotographs(file);
   if (file.study == "coverage") return SummariseCoverage(file);
   if (file.study == "extremes") return SummariseExtremes(file);
   if (file.study == "lights") return SummariseLights(file);

@@ -133,6 +133,8 @@ TEST(Scoring, ComparesNothingWithAnotherLightWhenTheCountIsWrong) {
   const Json record = Score(truth, SmallResult());
   EXPECT_FALSE(record["right"].get<bool>());
   for (const Json& json : record["quantities"]) EXPECT_EQ(QuantityFromJson(json).light, -1);
+  // Unless that is wanted.
+  EXPECT_EQ(Score(truth, SmallResult(), 180.0)["quantities"][0][0], "direction");
 }
 
 TEST(Running, ACrashAndAHangAreRecords) {
