@@ -47,6 +47,8 @@ TEST(ResultJson, ValuesStandUnderTheirKeys) {
   EXPECT_EQ(json["products"]["diffuse"][0], nlohmann::json({0.1, 0.2, 0.3}));
   EXPECT_EQ(json["products"]["specular"][0], 0.35);
   EXPECT_EQ(json["reflectance"]["lobe"]["peak"], 0.35);
+  EXPECT_EQ(json["correlation"]["names"][0], "distance of light 1");
+  EXPECT_EQ(json["correlation"]["matrix"][0][1], 0.25);
   EXPECT_FALSE(json["reflectance"].contains("roughness_deg"));
   EXPECT_EQ(json["time_s"]["total"], 2.0);
 }
