@@ -137,6 +137,8 @@ struct Estimate {
   // Keys of result.json, such as "reflectance/diffuse" or "lights/1/intensity", of which the sigma
   // says that nothing is known: they are null there. See determined.h.
   std::vector<std::string> undetermined;
+  // The keyframes as the session counts them; empty where nobody said.
+  std::vector<std::size_t> frames;
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;

@@ -362,6 +362,8 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
         {"code", "null-sigma"}, {"text", messages::Text("null-sigma", {{"list", null_sigmas}})}});
   for (const std::string& key : estimate.undetermined)
     json[ordered_json::json_pointer("/" + key)] = nullptr;
+  // What the factors are of.
+  if (estimate.ToScene().flickers() && !estimate.frames.empty()) json["frames"] = estimate.frames;
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;
