@@ -243,6 +243,7 @@ Result<ReportedResult> ParseReportedResult(const std::string& text, const std::s
   ReportedResult result;
   result.method = object.String("method");
   const std::vector<std::size_t> frames = ReadFrames(object);
+  if (!object.ok()) return Forward(object.Finish());
   for (StrictObject& entry : object.Objects("lights", 0)) {
     auto light = ReadReportedLight(std::move(entry), frames);
     if (!light) return Forward(light);

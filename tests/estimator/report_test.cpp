@@ -23,14 +23,14 @@ struct ReportCase {
   select::Refined refined;
   Estimate estimate;
 
-  ReportCase() {
+  explicit ReportCase(const model::ModelChoice& choice = {}) {
     truth.lights[1].intensity = 1.4;
     all = RandomObservations(6000, 3, 1, &truth).observations;
     AddNoise(0.003, 1, all);
     all.reference = {0.4, -0.2, 0.3};
     all.radius = 2.0;
     std::vector<model::Rung> ladder;
-    refined = select::Refine(all, truth, 0.003, 1.0, {}, ladder);
+    refined = select::Refine(all, truth, 0.003, 1.0, choice, ladder);
     FillFromFit(all, refined, estimate);
   }
 };
@@ -110,8 +110,7 @@ TEST(FillFromFit, TotalSigmasAreNoSmallerThanTheStatistical) {
   EXPECT_GE(*e.sigma.lobes[0].shape, e.stat.lobes[0].shape);
 }
 
-// Every sigma that is reported, in its row; of what is held at 0 too, whose error goes together
-// with no other.
+// Every sigma that is reported, in its row.
 TEST(FillFromFit, CorrelationsAreOfTheReportedSigmas) {
   const ReportCase it;
   const Estimate& e = it.estimate;
@@ -140,10 +139,27 @@ TEST(FillFromFit, CorrelationsAreOfTheReportedSigmas) {
   const double mean = 0.5 * (a * a + z * z), half = 0.5 * (a * a - z * z);
   EXPECT_NEAR(std::sqrt(mean + std::hypot(half, between * a * z)),
               RadToDeg(e.lights[1].direction_sigma), 1e-9);
-  EXPECT_EQ(r(row("inverse distance of light 2"), row("ambient")), 0.0);
   EXPECT_LT(r(row("ambient"), row("diffuse")), -0.1) << "what one takes the other gives";
   EXPECT_TRUE((r.diagonal().array() == 1.0).all());
   EXPECT_EQ(r, r.transpose());
+}
+
+// The sigma of an inverse distance that is held at 0 is that of an earlier fit, and goes together
+// with no other.
+TEST(FillFromFit, DistancesThatAreHeldGoWithNoOther) {
+  model::ModelChoice choice;
+  choice.near = false;
+  const ReportCase it(choice);
+  const uncertainty::Correlation& correlation = it.estimate.correlation;
+  int held = 0;
+  for (std::size_t i = 0; i < correlation.quantities.size(); ++i) {
+    const uncertainty::CorrelatedQuantity& quantity = correlation.quantities[i];
+    if (quantity.quantity != "inverse distance") continue;
+    ++held;
+    EXPECT_DOUBLE_EQ(quantity.sigma, it.estimate.lights[*quantity.light].inverse_distance_sigma);
+    EXPECT_EQ(correlation.matrix.row(static_cast<Eigen::Index>(i)).cwiseAbs().sum(), 1.0);
+  }
+  EXPECT_EQ(held, 2);
 }
 
 // What a highlight may have given: one unknown strength, times each light's intensity.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -94,7 +95,7 @@ TEST(CorrelationOf, ADirectionsCoordinatesAreAzimuthAndZenith) {
                                std::sin(zenith) * std::sin(azimuth), std::cos(zenith)};
   ByHand by_hand(scene);
   const Eigen::Vector3d& u = by_hand.at.lights[0].light.direction;
-  const double step = 1e-3;
+  const double step = 1e-5;
   const auto at = [](double a, double z) {
     return Eigen::Vector3d(std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), std::cos(z));
   };
@@ -211,7 +212,8 @@ struct Draws {
   }
   Eigen::MatrixXd Sampled() const {
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(found[0].size());
-    for (const Eigen::VectorXd& one : found) mean += one / kCount;
+    for (const Eigen::VectorXd& one : found) mean += one;
+    mean /= kCount;  // of what is always 1 exactly that
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(mean.size(), mean.size());
     for (const Eigen::VectorXd& one : found) sum += (one - mean) * (one - mean).transpose();
     return sum / (kCount - 1);
