@@ -80,6 +80,7 @@ std::size_t DropLights(Estimate& out) {
     out.stat.lights.erase(out.stat.lights.begin() + at);
     for (uncertainty::BudgetItem& item : out.budget)
       item.sigma.lights.erase(item.sigma.lights.begin() + at);
+    out.correlation = uncertainty::WithoutLight(out.correlation, i);
     ++dropped;
   }
   return dropped;

@@ -310,6 +310,7 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
   if (!estimate) return Forward(estimate);
   out.estimate = std::move(*estimate);
   out.estimate.initial_s += built;
+  out.estimate.frames = options.frame_numbers;
   if (const Status known = LeaveOutUnknown(observed->pixels, out.estimate); !known)
     return Forward(known);
   ExplainViews(observed->pixels, observed->signatures, poses, refined.solution.scene,

@@ -27,6 +27,7 @@
 #include "estimator/select/model_selection.h"
 #include "estimator/solve/solver.h"
 #include "estimator/target/geometry.h"
+#include "estimator/uncertainty/correlation.h"
 #include "estimator/uncertainty/uncertainty.h"
 
 namespace turnlight::estimator {
@@ -120,6 +121,7 @@ struct Estimate {
   ReflectanceSigma sigma;             // total, as all sigmas here
   uncertainty::Uncertainty stat;      // their statistical parts, lights in the same order
   std::vector<uncertainty::BudgetItem> budget;  // what the total ones are made of, item by item
+  uncertainty::Correlation correlation;         // of their errors; none of the lights' factors
   bool has_sigmas = true;                       // false: the method states none, and all are NaN
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
@@ -135,6 +137,8 @@ struct Estimate {
   // Keys of result.json, such as "reflectance/diffuse" or "lights/1/intensity", of which the sigma
   // says that nothing is known: they are null there. See determined.h.
   std::vector<std::string> undetermined;
+  // The keyframes as the session counts them; empty where nobody said.
+  std::vector<std::size_t> frames;
   int views = 0;
   int distinct_views = 0;
   int iterations = 0;

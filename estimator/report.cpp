@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "estimator/solve/normal_equations.h"
+#include "estimator/uncertainty/correlation.h"
+#include "estimator/uncertainty/quantities.h"
 #include "estimator/uncertainty/reported.h"
 #include "estimator/uncertainty/uncertainty.h"
 
@@ -117,6 +119,27 @@ void FillBudgetOfHeld(const select::Refined& refined, const std::vector<std::siz
   }
 }
 
+// The covariance of the sigmas that are reported: of what the fit holds at 0 they are those of an
+// earlier fit, which go together with no other error but, of what a highlight would give, each
+// other.
+uncertainty::Correlation CorrelationOfAll(Eigen::MatrixXd covariance,
+                                          const uncertainty::Reported& reported,
+                                          const Estimate& estimate) {
+  using uncertainty::At;
+  using uncertainty::OfLight;
+  const bool no_lobe = !estimate.reflectance.lobes[0].present();
+  for (std::size_t i = 0; i < estimate.lights.size(); ++i) {
+    const LightEstimate& light = estimate.lights[i];
+    const Eigen::Index distance = At(OfLight::kInverseDistance, i);
+    if (!light.near)
+      covariance(distance, distance) = light.inverse_distance_sigma * light.inverse_distance_sigma;
+    for (std::size_t j = 0; no_lobe && j < estimate.lights.size(); ++j)
+      covariance(At(OfLight::kSpecularProduct, i), At(OfLight::kSpecularProduct, j)) =
+          light.specular_product_sigma[0] * estimate.lights[j].specular_product_sigma[0];
+  }
+  return uncertainty::CorrelationOf(covariance, reported, estimate.channels);
+}
+
 // In white.
 double RmsOf(const observe::Observations& all, double values, double cost) {
   return all.radiance_unit * std::sqrt(2.0 * cost / values);
@@ -158,6 +181,7 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
     for (double& factor : out.lights[i].factor_sigma) factor *= share;
   }
   FillSigmas(sigma, refined.specular_sigma, out);
+  out.correlation = CorrelationOfAll(std::move(sigmas.covariance), reported, out);
   for (std::size_t i = 0; i < order.size(); ++i)
     if (!refined.near[order[i]])
       out.stat.lights[i].inverse_distance = refined.inverse_distance_sigma_stat[order[i]];

@@ -9,6 +9,7 @@
 
 #include "base/plot/canvas.h"
 #include "base/statistics.h"
+#include "estimator/pictures/correlation_picture.h"
 #include "estimator/pictures/plots.h"
 #include "estimator/pictures/sphere.h"
 #include "estimator/pictures/view.h"
@@ -202,6 +203,8 @@ Result<std::vector<NamedPicture>> MakePictures(const model::KeyframeSource& keyf
     pictures.push_back({"intensity_map.png", IntensityPicture(output.map, output.estimate.lights)});
   if (!output.estimate.history.empty())
     pictures.push_back({"convergence.png", ConvergencePicture(output.estimate.history)});
+  if (HasCorrelationPicture(output.estimate.correlation))
+    pictures.push_back({"correlation.png", CorrelationPicture(output.estimate.correlation)});
   return pictures;
 }
 

@@ -27,7 +27,9 @@ struct NamedPicture {
 // and once:
 //   intensity_map.png   intensity by reflected direction with the lights found
 //   convergence.png     residual rms by iteration
-// A picture that has nothing to show (no keyframes, no history, an empty map) is left out.
+//   correlation.png     how the errors of what was estimated go together
+// A picture that has nothing to show (no keyframes, no history, an empty map, no two errors) is
+// left out.
 //
 // Tone: linear radiance to sRGB, one exposure for all panels of all keyframes: the 99.5 percentile
 // of the brightest channel on the target is shown at 0.9 of white.

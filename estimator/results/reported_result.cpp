@@ -1,5 +1,6 @@
 #include "estimator/results/reported_result.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -17,6 +18,32 @@ std::optional<double> NumberOrNull(StrictObject& object, const std::string& key)
 MeasuredValue MeasuredOf(StrictObject& values, const std::string& key, StrictObject& sigmas,
                          const std::string& sigma_key) {
   return {NumberOrNull(values, key), NumberOrNull(sigmas, sigma_key)};
+}
+
+// Numbers or nulls; none of a missing list.
+std::vector<std::optional<double>> ListOrNull(StrictObject& object, const std::string& key) {
+  std::vector<std::optional<double>> out;
+  const nlohmann::json& list = object.Raw(key);
+  if (list.is_null()) return out;
+  if (!list.is_array()) object.Refuse(key, "a list of numbers or nulls");
+  for (const nlohmann::json& value : list) {
+    if (!value.is_number() && !value.is_null()) object.Refuse(key, "a list of numbers or nulls");
+    out.push_back(value.is_number() ? std::optional(value.get<double>()) : std::nullopt);
+  }
+  return out;
+}
+
+// A list and the one of its sigmas, which may be missing.
+std::vector<MeasuredValue> MeasuredList(StrictObject& values, const std::string& key,
+                                        StrictObject& sigmas, const std::string& sigma_key) {
+  const auto value = ListOrNull(values, key), sigma = ListOrNull(sigmas, sigma_key);
+  std::vector<MeasuredValue> out;
+  if (!sigma.empty() && sigma.size() != value.size())
+    sigmas.Refuse(sigma_key, "a list with one element for each of " + key);
+  else
+    for (std::size_t i = 0; i < value.size(); ++i)
+      out.push_back({value[i], sigma.empty() ? std::nullopt : sigma[i]});
+  return out;
 }
 
 // [r, g, b] of numbers or nulls; nothing of a missing or null list.
@@ -46,7 +73,28 @@ MeasuredColour ColourOf(StrictObject& values, const std::string& key, StrictObje
   return colour;
 }
 
-Result<ReportedLight> ReadReportedLight(StrictObject object) {
+std::optional<MeasuredColour> ColourIfThere(StrictObject& values, StrictObject& sigmas,
+                                            const std::string& key) {
+  return values.Has(key) ? std::optional(ColourOf(values, key, sigmas, key)) : std::nullopt;
+}
+
+// frames: those that the result says it is of; none: it does not say.
+std::vector<ReportedFactor> ReadFactors(StrictObject& object,
+                                        const std::vector<std::size_t>& frames) {
+  const std::vector<MeasuredValue> list = MeasuredList(object, "factors", object, "factors_sigma");
+  const bool has_sigmas = object.Has("factors_sigma");
+  if (!frames.empty() && !list.empty() && list.size() != frames.size())
+    object.Refuse("factors", "a list with one element for each of frames");
+  std::vector<ReportedFactor> out;
+  for (std::size_t k = 0; k < list.size() && object.ok(); ++k) {
+    out.push_back({frames.empty() ? k : frames[k], list[k]});
+    if (has_sigmas && !list[k].sigma) out.back().factor.value.reset();
+  }
+  return out;
+}
+
+Result<ReportedLight> ReadReportedLight(StrictObject object,
+                                        const std::vector<std::size_t>& frames) {
   ReportedLight light;
   const std::vector<double> direction = object.Numbers("direction", 3);
   light.direction = Eigen::Vector3d(direction[0], direction[1], direction[2]);
@@ -60,6 +108,7 @@ Result<ReportedLight> ReadReportedLight(StrictObject object) {
   if (const auto colour = object.OptionalNumbers("color", 3))
     light.colour = {(*colour)[0], (*colour)[1], (*colour)[2]};
   light.colour_sigma = ThreeOrNull(object, "color_sigma", object.Raw("color_sigma"));
+  light.factors = ReadFactors(object, frames);
   object.AllowUnknown();
   if (Status status = object.Finish(); !status) return Forward(status);
   return light;
@@ -83,18 +132,38 @@ Status ReadReportedModel(StrictObject object, ReportedResult& result) {
   return object.Finish();
 }
 
-// Of the first lobe in the list, where there is one.
-Status ReadReportedLobe(StrictObject& reflectance, ReportedResult& result) {
+Result<ReportedLobe> ReadReportedLobe(StrictObject object) {
+  ReportedLobe lobe;
+  lobe.model = object.String("model");
+  StrictObject sigma = object.Object("sigma");
+  lobe.specular = MeasuredOf(object, "specular", sigma, "specular");
+  lobe.shininess = MeasuredOf(object, "shininess", sigma, "shininess");
+  lobe.alpha = MeasuredOf(object, "alpha", sigma, "alpha");
+  lobe.f0 = MeasuredOf(object, "f0", sigma, "f0");
+  sigma.AllowUnknown();
+  object.AllowUnknown();
+  Status status = sigma.Finish();
+  if (status) status = object.Finish();
+  if (!status) return Forward(status);
+  return lobe;
+}
+
+// Of the list of lobes, where there is one: what the first has beside the keys that all have, and
+// the second.
+Status ReadReportedLobes(StrictObject& reflectance, ReportedResult& result) {
   if (!reflectance.Has("lobes")) return {};
   std::vector<StrictObject> lobes = reflectance.Objects("lobes", 1);
-  if (lobes.empty()) return {};
-  StrictObject sigma = lobes[0].Object("sigma");
-  result.alpha = MeasuredOf(lobes[0], "alpha", sigma, "alpha");
-  result.f0 = MeasuredOf(lobes[0], "f0", sigma, "f0");
-  sigma.AllowUnknown();
-  lobes[0].AllowUnknown();
-  const Status status = sigma.Finish();
-  return status ? lobes[0].Finish() : status;
+  for (std::size_t k = 0; k < std::min<std::size_t>(lobes.size(), 2); ++k) {
+    auto lobe = ReadReportedLobe(std::move(lobes[k]));
+    if (!lobe) return Forward(lobe);
+    if (k == 0) {
+      result.alpha = lobe->alpha;
+      result.f0 = lobe->f0;
+    } else {
+      result.second_lobe = std::move(*lobe);
+    }
+  }
+  return {};
 }
 
 Status ReadReportedReflectance(StrictObject object, ReportedResult& result) {
@@ -105,7 +174,11 @@ Status ReadReportedReflectance(StrictObject object, ReportedResult& result) {
   result.specular = MeasuredOf(object, "specular", sigma, "specular");
   result.shininess = MeasuredOf(object, "shininess", sigma, "shininess");
   result.roughness_deg = MeasuredOf(object, "roughness_deg", sigma, "roughness_deg");
-  object.Adopt(ReadReportedLobe(object, result));
+  result.ambient_harmonics = MeasuredList(object, "ambient_harmonics", sigma, "ambient_harmonics");
+  result.diffuse_harmonics = MeasuredList(object, "diffuse_harmonics", sigma, "diffuse_harmonics");
+  result.ambient_colour = ColourIfThere(object, sigma, "ambient_color");
+  result.specular_colour = ColourIfThere(object, sigma, "specular_color");
+  object.Adopt(ReadReportedLobes(object, result));
   sigma.AllowUnknown();
   object.AllowUnknown();
   const Status status = sigma.Finish();
@@ -143,6 +216,22 @@ Status ReadProducts(StrictObject object, ReportedResult& result) {
   return object.Finish();
 }
 
+// The frames that the result says its factors are of.
+std::vector<std::size_t> ReadFrames(StrictObject& object) {
+  std::vector<std::size_t> frames;
+  const nlohmann::json& list = object.Raw("frames");
+  if (list.is_null()) return frames;
+  if (!list.is_array()) object.Refuse("frames", "a list of numbers of frames");
+  for (const nlohmann::json& frame : list) {
+    if (!frame.is_number_unsigned()) {
+      object.Refuse("frames", "a list of numbers of frames");
+      break;
+    }
+    frames.push_back(frame.get<std::size_t>());
+  }
+  return frames;
+}
+
 }  // namespace
 
 Result<ReportedResult> ParseReportedResult(const std::string& text, const std::string& file) {
@@ -153,8 +242,10 @@ Result<ReportedResult> ParseReportedResult(const std::string& text, const std::s
   object.Integer("version", 1, 1);
   ReportedResult result;
   result.method = object.String("method");
+  const std::vector<std::size_t> frames = ReadFrames(object);
+  if (!object.ok()) return Forward(object.Finish());
   for (StrictObject& entry : object.Objects("lights", 0)) {
-    auto light = ReadReportedLight(std::move(entry));
+    auto light = ReadReportedLight(std::move(entry), frames);
     if (!light) return Forward(light);
     result.lights.push_back(std::move(*light));
   }

@@ -16,6 +16,13 @@ namespace turnlight::estimator::results {
 // R, G, B.
 using MeasuredColour = std::array<MeasuredValue, 3>;
 
+// How many times its intensity a light has in a frame. Those whose factor is not determined, as the
+// frame does not see the light, have no sigma.
+struct ReportedFactor {
+  std::size_t frame = 0;  // as the session counts them; of results that do not say, as they come
+  MeasuredValue factor;
+};
+
 struct ReportedLight {
   bool near = false;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit, from W's origin
@@ -25,6 +32,12 @@ struct ReportedLight {
   std::array<std::optional<double>, 3> colour_sigma;
   MeasuredColour diffuse_product;
   MeasuredValue specular_product;
+  std::vector<ReportedFactor> factors;  // none: the light is constant
+};
+
+struct ReportedLobe {
+  std::string model;
+  MeasuredValue specular, shininess, alpha, f0;  // those that it has
 };
 
 struct ReportedResult {
@@ -32,8 +45,11 @@ struct ReportedResult {
   std::vector<ReportedLight> lights;  // in the file's order: strongest first
   MeasuredColour albedo;
   MeasuredValue ambient, diffuse, specular, shininess, roughness_deg;
-  MeasuredValue alpha, f0;  // of the first lobe, if it has them
+  MeasuredValue alpha, f0;                  // of the first lobe, if it has them
+  std::optional<ReportedLobe> second_lobe;  // beside the first
+  std::vector<MeasuredValue> ambient_harmonics, diffuse_harmonics;  // none: there are no departures
   MeasuredColour ambient_product;
+  std::optional<MeasuredColour> ambient_colour, specular_colour;  // nothing: white
   double rms = 0.0;
 };
 

@@ -3,10 +3,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/angles.h"
 #include "base/messages/messages.h"
+#include "estimator/results/correlation_json.h"
 #include "estimator/results/null_notes.h"
 #include "estimator/results/scene_json.h"
 
@@ -346,6 +348,8 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
   }
   json["reflectance"] = ReflectanceToJson(estimate);
   json["products"] = ProductsToJson(estimate);
+  if (auto correlation = CorrelationToJson(estimate.correlation))
+    json["correlation"] = std::move(*correlation);
   json["residual"] = ordered_json{{"initial_rms", ToJson(estimate.initial_rms)},
                                   {"rms", ToJson(estimate.rms)},
                                   {"pixels", estimate.pixels}};
@@ -358,6 +362,8 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
         {"code", "null-sigma"}, {"text", messages::Text("null-sigma", {{"list", null_sigmas}})}});
   for (const std::string& key : estimate.undetermined)
     json[ordered_json::json_pointer("/" + key)] = nullptr;
+  // What the factors are of.
+  if (estimate.ToScene().flickers() && !estimate.frames.empty()) json["frames"] = estimate.frames;
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;

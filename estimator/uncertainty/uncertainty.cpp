@@ -207,6 +207,16 @@ std::vector<BudgetItem> BudgetOf(const std::vector<Part>& items, const Eigen::Ma
   return out;
 }
 
+Eigen::MatrixXd WithoutUndetermined(Eigen::MatrixXd covariance,
+                                    const std::vector<bool>& undetermined) {
+  for (Eigen::Index q = 0; q < covariance.rows(); ++q)
+    if (undetermined[static_cast<std::size_t>(q)]) {
+      covariance.row(q).setConstant(kUnknown);
+      covariance.col(q).setConstant(kUnknown);
+    }
+  return covariance;
+}
+
 }  // namespace
 
 Uncertainties EstimateUncertainty(const solve::Solution& solution,
@@ -233,6 +243,7 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
     }
   Uncertainties out{Unflatten(total, reported.undetermined, order.size()),
                     Unflatten(parts.stat, reported.undetermined, order.size()),
+                    WithoutUndetermined(total, reported.undetermined),
                     Unflatten(of_calibration, reported.undetermined, order.size()),
                     BudgetOf(items, total, reported.undetermined, order.size()),
                     FactorSigmas(solution, order, covariance)};

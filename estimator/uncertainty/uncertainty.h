@@ -55,6 +55,9 @@ struct BudgetItem {
 // sigma_total^2 = sigma_stat^2 + sigma_model^2.
 struct Uncertainties {
   Uncertainty total, stat;
+  // That the total is of, over the vector in quantities.h; NaN where the data do not determine a
+  // quantity.
+  Eigen::MatrixXd covariance;
   Uncertainty calibration;         // the calibration's share, which is in the total
   std::vector<BudgetItem> budget;  // the noise first; items of nothing are left out
   // Statistical, of the lights' factors in each keyframe, in the order of the lights; none of

@@ -52,10 +52,10 @@ TEST_F(Estimate, WritesWhatTheDesignSays) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, ReadText(folder_ / "r/result.json"));
   const ordered_json json = ordered_json::parse(outcome.out);
-  EXPECT_THAT(Keys(json),
-              ElementsAre("format", "version", "session", "method", "reference_point", "model",
-                          "lights", "reflectance", "products", "residual", "identifiability",
-                          "notes", "views", "distinct_views", "iterations", "stopped", "time_s"));
+  EXPECT_THAT(Keys(json), ElementsAre("format", "version", "session", "method", "reference_point",
+                                      "model", "lights", "reflectance", "products", "correlation",
+                                      "residual", "identifiability", "notes", "views",
+                                      "distinct_views", "iterations", "stopped", "time_s"));
   EXPECT_EQ(json["format"], "turnlight-result");
   EXPECT_EQ(json["session"], "small");
   EXPECT_EQ(json["views"], 3);
@@ -79,6 +79,7 @@ TEST_F(Estimate, TellsAPersonAndWritesPictures) {
   EXPECT_THAT(outcome.out, HasSubstr("light 1"));
   EXPECT_THAT(outcome.out, HasSubstr("result.json"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "r/comparison_000.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "r/correlation.png"));
   EXPECT_EQ(RunEstimate("r").exit_code, 0);  // over an old result
 }
 

@@ -156,10 +156,14 @@ TEST(Determined, ALightWithoutADirectionLeavesTheList) {
   for (const double sigma : {DegToRad(46.0), kNaN}) {
     Estimate estimate = Known();
     estimate.lights[1].direction_sigma = sigma;
+    estimate.correlation.quantities = {{"intensity", "", 1, 0.1}, {"ambient", "", {}, 0.1}};
+    estimate.correlation.matrix = Eigen::Matrix2d::Identity();
     ASSERT_TRUE(LeaveOutUnknown(Pixels(), estimate));
     EXPECT_EQ(estimate.lights.size(), 1u);
     EXPECT_EQ(estimate.stat.lights.size(), 1u);
     EXPECT_EQ(estimate.budget[0].sigma.lights.size(), 1u);
+    ASSERT_EQ(estimate.correlation.quantities.size(), 1u);
+    EXPECT_EQ(estimate.correlation.quantities[0].name(), "ambient");
     EXPECT_THAT(estimate.notes[0].text, HasSubstr("1 light is left out of the list"));
     estimate = Known();
     estimate.lights[0].direction_sigma = sigma;

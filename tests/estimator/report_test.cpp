@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/angles.h"
 #include "estimator/solve/normal_equations.h"
 #include "tests/estimator/random_observations.h"
 
@@ -21,14 +23,14 @@ struct ReportCase {
   select::Refined refined;
   Estimate estimate;
 
-  ReportCase() {
+  explicit ReportCase(const model::ModelChoice& choice = {}) {
     truth.lights[1].intensity = 1.4;
     all = RandomObservations(6000, 3, 1, &truth).observations;
     AddNoise(0.003, 1, all);
     all.reference = {0.4, -0.2, 0.3};
     all.radius = 2.0;
     std::vector<model::Rung> ladder;
-    refined = select::Refine(all, truth, 0.003, 1.0, {}, ladder);
+    refined = select::Refine(all, truth, 0.003, 1.0, choice, ladder);
     FillFromFit(all, refined, estimate);
   }
 };
@@ -106,6 +108,81 @@ TEST(FillFromFit, TotalSigmasAreNoSmallerThanTheStatistical) {
   }
   EXPECT_GE(e.sigma.ambient, e.stat.ambient);
   EXPECT_GE(*e.sigma.lobes[0].shape, e.stat.lobes[0].shape);
+}
+
+// Every sigma that is reported, in its row.
+TEST(FillFromFit, CorrelationsAreOfTheReportedSigmas) {
+  const ReportCase it;
+  const Estimate& e = it.estimate;
+  const auto row = [&](const std::string& name) {
+    const auto& all = e.correlation.quantities;
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const auto& q) { return q.name() == name; });
+    EXPECT_NE(found, all.end()) << name;
+    return found - all.begin();
+  };
+  const auto sigma = [&](const std::string& name) {
+    return e.correlation.quantities[static_cast<std::size_t>(row(name))].sigma;
+  };
+  EXPECT_DOUBLE_EQ(sigma("distance of light 1"), *e.lights[0].distance_sigma);
+  EXPECT_DOUBLE_EQ(sigma("inverse distance of light 2"), e.lights[1].inverse_distance_sigma);
+  EXPECT_DOUBLE_EQ(sigma("intensity of light 2"), *e.lights[1].intensity_sigma);
+  EXPECT_DOUBLE_EQ(sigma("diffuse product of light 2, blue"), e.lights[1].diffuse_product_sigma[2]);
+  EXPECT_DOUBLE_EQ(sigma("shininess"), *e.sigma.lobes[0].shape);
+  EXPECT_DOUBLE_EQ(sigma("ambient product, red"), e.ambient_product_sigma[0]);
+  // The direction's ellipse: its larger half-axis is the direction's sigma.
+  const double a = sigma("direction of light 2, azimuth"),
+               z = sigma("direction of light 2, zenith");
+  const Eigen::MatrixXd& r = e.correlation.matrix;
+  const double between =
+      r(row("direction of light 2, azimuth"), row("direction of light 2, zenith"));
+  const double mean = 0.5 * (a * a + z * z), half = 0.5 * (a * a - z * z);
+  EXPECT_NEAR(std::sqrt(mean + std::hypot(half, between * a * z)),
+              RadToDeg(e.lights[1].direction_sigma), 1e-9);
+  EXPECT_LT(r(row("ambient"), row("diffuse")), -0.1) << "what one takes the other gives";
+  EXPECT_TRUE((r.diagonal().array() == 1.0).all());
+  EXPECT_EQ(r, r.transpose());
+}
+
+// The sigma of an inverse distance that is held at 0 is that of an earlier fit, and goes together
+// with no other.
+TEST(FillFromFit, DistancesThatAreHeldGoWithNoOther) {
+  model::ModelChoice choice;
+  choice.near = false;
+  const ReportCase it(choice);
+  const uncertainty::Correlation& correlation = it.estimate.correlation;
+  int held = 0;
+  for (std::size_t i = 0; i < correlation.quantities.size(); ++i) {
+    const uncertainty::CorrelatedQuantity& quantity = correlation.quantities[i];
+    if (quantity.quantity != "inverse distance") continue;
+    ++held;
+    EXPECT_DOUBLE_EQ(quantity.sigma, it.estimate.lights[*quantity.light].inverse_distance_sigma);
+    EXPECT_EQ(correlation.matrix.row(static_cast<Eigen::Index>(i)).cwiseAbs().sum(), 1.0);
+  }
+  EXPECT_EQ(held, 2);
+}
+
+// What a highlight may have given: one unknown strength, times each light's intensity.
+TEST(FillFromFit, ProductsWithoutAHighlightGoTogether) {
+  ReportCase it;
+  it.truth.reflectance.lobes[0].model = model::SpecularModel::kNone;
+  it.truth.reflectance.lobes[0].strength = 0.0;
+  observe::Observations all = RandomObservations(6000, 3, 1, &it.truth).observations;
+  AddNoise(0.003, 1, all);
+  std::vector<model::Rung> ladder;
+  model::ModelChoice choice;
+  choice.specular = model::SpecularModel::kNone;
+  select::Refined refined = select::Refine(all, it.truth, 0.003, 1.0, choice, ladder);
+  refined.specular_sigma = 0.01;
+  Estimate e;
+  FillFromFit(all, refined, e);
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < e.correlation.quantities.size(); ++i)
+    if (e.correlation.quantities[i].quantity == "specular product")
+      rows.push_back(static_cast<Eigen::Index>(i));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_NEAR(e.correlation.matrix(rows[0], rows[1]), 1.0, 1e-12);
+  EXPECT_DOUBLE_EQ(e.correlation.quantities[static_cast<std::size_t>(rows[0])].sigma, 0.01);
 }
 
 }  // namespace

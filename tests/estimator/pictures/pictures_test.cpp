@@ -76,6 +76,14 @@ TEST(MakePictures, AtMostSixEvenlySpacedKeyframes) {
                                    "convergence.png"));
 }
 
+TEST(MakePictures, CorrelationsOfTwoErrorsAreDrawn) {
+  Case scene(64, 1);
+  scene.output.estimate.correlation.quantities = {{"ambient", "", {}, 0.1},
+                                                  {"diffuse", "", {}, 0.1}};
+  scene.output.estimate.correlation.matrix = Eigen::Matrix2d::Identity();
+  EXPECT_EQ(Names(scene.Make()).back(), "correlation.png");
+}
+
 TEST(MakePictures, NothingToShowIsLeftOut) {
   Case nothing(64, 0);
   nothing.output = {};

@@ -51,6 +51,19 @@ ReportedResult ExampleReported() {
   return result;
 }
 
+// With all that few results have: lights that change, two lobes, harmonics, colours.
+ReportedResult RichReported() {
+  ReportedResult result = ExampleReported();
+  for (ReportedLight& light : result.lights)
+    for (const std::size_t frame : {0, 5, 10})
+      light.factors.push_back({frame, {1.0 + 0.01 * static_cast<double>(frame % 3), 0.002}});
+  result.second_lobe = ReportedLobe{"ggx", {0.05, 0.001}, {}, {0.3, 0.01}, {0.5, 0.02}};
+  result.ambient_harmonics.assign(8, {0.01, 0.001});
+  result.diffuse_harmonics.assign(8, {0.05, {}});
+  result.ambient_colour = result.specular_colour = {{{1.0, 0.0}, {0.9, 0.01}, {0.8, 0.01}}};
+  return result;
+}
+
 Comparison Compared(const ReportedResult& a, const ReportedResult& b,
                     Tolerances tolerances = StandardTolerances(ResultQuantities())) {
   return CompareResults(a, b, tolerances);
@@ -126,6 +139,56 @@ TEST(CompareResults, EveryQuantityCounts) {
   }
 }
 
+TEST(CompareResults, EveryRareQuantityCounts) {
+  const ReportedResult a = RichReported();
+  EXPECT_TRUE(Compared(a, a).Same());
+  EXPECT_EQ(Compared(a, a).quantities.size(), 5U + 3U * (12U + 3U) + 12U + 4U + 8U + 8U + 6U);
+  const std::vector<std::pair<std::string, std::function<void(ReportedResult&)>>> changes{
+      {"light 2: factor in frame 5", [](auto& r) { r.lights[1].factors[1].factor.value = 1.06; }},
+      {"light 2: factor in frame 10", [](auto& r) { r.lights[1].factors[2].factor = {}; }},
+      {"light 2: factor in frame 10", [](auto& r) { r.lights[1].factors.pop_back(); }},
+      {"light 2: change from frame to frame", [](auto& r) { r.lights[1].factors.clear(); }},
+      {"reflectance: second lobe", [](auto& r) { r.second_lobe.reset(); }},
+      {"reflectance: model of the second lobe", [](auto& r) { r.second_lobe->model = "phong"; }},
+      {"reflectance: specular of the second lobe",
+       [](auto& r) { r.second_lobe->specular.value = 0.06; }},
+      {"reflectance: alpha of the second lobe", [](auto& r) { r.second_lobe->alpha.value = 0.36; }},
+      {"reflectance: F0 of the second lobe", [](auto& r) { r.second_lobe->f0.value = 0.6; }},
+      {"reflectance: ambient harmonic 3", [](auto& r) { r.ambient_harmonics[2].value = 0.015; }},
+      {"reflectance: ambient harmonics", [](auto& r) { r.ambient_harmonics.clear(); }},
+      {"reflectance: diffuse harmonic 8", [](auto& r) { r.diffuse_harmonics[7].value = 0.16; }},
+      {"reflectance: diffuse harmonics", [](auto& r) { r.diffuse_harmonics.clear(); }},
+      {"reflectance: ambient colour, blue", [](auto& r) { (*r.ambient_colour)[2].value = 0.9; }},
+      {"reflectance: specular colour", [](auto& r) { r.specular_colour.reset(); }}};
+  for (const auto& [name, change] : changes) {
+    ReportedResult b = RichReported();
+    change(b);
+    EXPECT_THAT(NamesOf(Compared(a, b), Verdict::kDifferent), ElementsAre(name));
+    EXPECT_THAT(NamesOf(Compared(b, a), Verdict::kDifferent), ElementsAre(name));
+  }
+}
+
+TEST(CompareResults, FactorsAreOfTheSameFrameByTheirSigmas) {
+  const ReportedResult a = RichReported();
+  ReportedResult b = RichReported();
+  std::swap(b.lights[0].factors[0], b.lights[0].factors[2]);
+  EXPECT_TRUE(Compared(a, b).Same()) << "whatever their order";
+  b.lights[0].factors[1].factor.value = 1.02 + 4.0 * std::hypot(0.002, 0.002);
+  EXPECT_NEAR(*Named(Compared(a, b), "light 1: factor in frame 5").sigmas, 4.0, 1e-9);
+  Tolerances tolerances = StandardTolerances(ResultQuantities());
+  tolerances.quantities["factor"] = {.absolute = 0.02};
+  EXPECT_TRUE(Compared(a, b, tolerances).Same());
+}
+
+TEST(CompareResults, WhatHasNoSigmaHasAToleranceOfItsOwn) {
+  ReportedResult b = RichReported();
+  b.diffuse_harmonics[0].value = 0.14;
+  EXPECT_TRUE(Compared(RichReported(), b).Same());
+  Tolerances strict = StandardTolerances(ResultQuantities());
+  strict.quantities["diffuse_harmonics"] = {.absolute = 0.001};
+  EXPECT_FALSE(Compared(RichReported(), b, strict).Same());
+}
+
 TEST(CompareResults, DirectionsByTheirAngle) {
   ReportedResult b = ExampleReported();
   const Eigen::AngleAxisd turn(DegToRad(0.2), b.lights[0].direction.unitOrthogonal());
@@ -199,6 +262,17 @@ TEST(CompareResults, AnotherGauge) {
   b.lights[0].diffuse_product[0].value = 0.6;
   EXPECT_THAT(NamesOf(Compared(ExampleReported(), b), Verdict::kDifferent),
               ElementsAre("light 2 (1 of B): diffuse product, red"));
+}
+
+TEST(CompareResults, WhatHangsOnTheGaugeAmongTheRare) {
+  ReportedResult b = RichReported();
+  std::swap(b.lights[0], b.lights[1]);
+  b.lights[0].intensity = {1.0, {}};
+  b.lights[1].intensity = {0.99, 0.01};
+  const auto unjudged = NamesOf(Compared(RichReported(), b), Verdict::kNotJudged);
+  EXPECT_EQ(unjudged.size(), 3U + 6U + 1U + 8U);
+  EXPECT_THAT(unjudged, testing::Contains("reflectance: specular of the second lobe"));
+  EXPECT_THAT(unjudged, testing::Contains("reflectance: ambient harmonic 1"));
 }
 
 TEST(CompareResults, AnotherBrightestChannel) {

@@ -33,6 +33,9 @@ inline Estimate ExampleEstimate() {
   e.reflectance.lobes[0].strength = 0.35;
   e.reflectance.lobes[0].shape = 40.0;
   e.sigma.lobes[0].shape = 0.4;
+  e.correlation.quantities = {{"distance", "", 0, 1.24}, {"ambient", "", {}, 0.001}};
+  e.correlation.matrix.resize(2, 2);
+  e.correlation.matrix << 1.0, 0.25, 0.25, 1.0;
   e.condition = 1234.0;
   e.pixels = 4321;
   e.views = 36;

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "estimator/results/result_json.h"
 #include "tests/estimator/results/example_estimate.h"
@@ -35,6 +37,74 @@ TEST(ReportedResult, TheFirstLobesAlphaAndColours) {
   EXPECT_EQ(read->f0.sigma, 0.03);
   EXPECT_EQ(read->shininess.value, std::nullopt);
   EXPECT_EQ(read->lights[1].colour_sigma[2], 0.02);
+}
+
+TEST(ReportedResult, WhatFewResultsHave) {
+  Estimate e = ExampleEstimate();
+  e.reflectance.lobes = {model::Lobe{model::SpecularModel::kPhong, 0.3, 90.0},
+                         model::Lobe{model::SpecularModel::kGgx, 0.1, 0.4, 0.7}};
+  e.sigma.lobes[1] = {0.01, 0.002, 0.03};
+  e.reflectance.harmonics[2] = 0.04;
+  e.sigma.harmonics[2] = 0.005;
+  e.reflectance.shading[7] = -0.02;
+  e.reflectance.ambient_colour = {1.0, 0.9, 0.8};
+  e.sigma.ambient_colour = {0.0, 0.01, 0.02};
+  e.lights[1].light.factors = {1.0, 0.9, 1.1};
+  e.lights[1].factor_sigma = {0.01, std::numeric_limits<double>::quiet_NaN(), 0.02};
+  e.frames = {0, 2, 7};
+  const auto read =
+      ParseReportedResult(ResultToJson(e, "n", Method::kLeastSquares, {}), "result.json");
+  ASSERT_TRUE(read) << read.error().text;
+  ASSERT_TRUE(read->second_lobe);
+  EXPECT_EQ(read->second_lobe->model, "ggx");
+  EXPECT_EQ(read->second_lobe->specular.value, 0.1);
+  EXPECT_EQ(read->second_lobe->alpha.sigma, 0.002);
+  EXPECT_EQ(read->second_lobe->f0.value, 0.7);
+  EXPECT_FALSE(read->second_lobe->shininess.value);
+  EXPECT_FALSE(read->alpha.value) << "of the first";
+  ASSERT_EQ(read->ambient_harmonics.size(), 8U);
+  EXPECT_EQ(read->ambient_harmonics[2].sigma, 0.005);
+  ASSERT_EQ(read->diffuse_harmonics.size(), 8U);
+  EXPECT_EQ(read->diffuse_harmonics[7].value, -0.02);
+  EXPECT_FALSE(read->diffuse_harmonics[7].sigma);
+  EXPECT_EQ((*read->ambient_colour)[2].sigma, 0.02);
+  EXPECT_FALSE(read->specular_colour);
+  EXPECT_TRUE(read->lights[0].factors.empty());
+  const auto& factors = read->lights[1].factors;
+  ASSERT_EQ(factors.size(), 3U);
+  EXPECT_EQ(factors[2].frame, 7U);
+  EXPECT_EQ(factors[2].factor.value, 1.1);
+  EXPECT_EQ(factors[2].factor.sigma, 0.02);
+  EXPECT_FALSE(factors[1].factor.value) << "a frame that does not see the light";
+}
+
+// Of a result that does not say which frames its factors are of they count as they come.
+TEST(ReportedResult, FactorsWithoutFrames) {
+  json result = ExampleResult();
+  result["lights"][0]["factors"] = {0.9, 1.1};
+  const auto read = ParseReportedResult(result.dump(), "r");
+  ASSERT_TRUE(read) << read.error().text;
+  EXPECT_EQ(read->lights[0].factors[1].frame, 1U);
+  EXPECT_EQ(read->lights[0].factors[1].factor.value, 1.1);
+}
+
+TEST(ReportedResult, ListsThatDoNotFitAreRefused) {
+  const std::vector<std::tuple<json::json_pointer, json, std::string>> changes{
+      {json::json_pointer("/frames"), {0, -1}, "a list of numbers of frames"},
+      {json::json_pointer("/frames"), 3, "a list of numbers of frames"},
+      {json::json_pointer("/frames"), {0, 1, 2}, "one element for each of frames"},
+      {json::json_pointer("/lights/0/factors_sigma"), {0.1}, "one element for each of factors"},
+      {json::json_pointer("/lights/0/factors"), {1.0, "x"}, "a list of numbers or nulls"},
+      {json::json_pointer("/reflectance/ambient_harmonics"), 1, "a list of numbers or nulls"},
+      {json::json_pointer("/reflectance/lobes"), {{{"model", "ggx"}}}, "lobes/0/sigma"}};
+  for (const auto& [at, value, message] : changes) {
+    json result = ExampleResult();
+    result["lights"][0]["factors"] = {0.9, 1.1};
+    result[at] = value;
+    const auto read = ParseReportedResult(result.dump(), "r.json");
+    ASSERT_FALSE(read) << at.to_string();
+    EXPECT_THAT(read.error().text, AllOf(HasSubstr("r.json"), HasSubstr(message)));
+  }
 }
 
 TEST(ReportedResult, WhatIsWrittenIsRead) {

@@ -47,6 +47,8 @@ TEST(ResultJson, ValuesStandUnderTheirKeys) {
   EXPECT_EQ(json["products"]["diffuse"][0], nlohmann::json({0.1, 0.2, 0.3}));
   EXPECT_EQ(json["products"]["specular"][0], 0.35);
   EXPECT_EQ(json["reflectance"]["lobe"]["peak"], 0.35);
+  EXPECT_EQ(json["correlation"]["names"][0], "distance of light 1");
+  EXPECT_EQ(json["correlation"]["matrix"][0][1], 0.25);
   EXPECT_FALSE(json["reflectance"].contains("roughness_deg"));
   EXPECT_EQ(json["time_s"]["total"], 2.0);
 }
@@ -75,6 +77,16 @@ TEST(ResultJson, TheBudgetStandsBesideStat) {
         {json["reflectance"]["sigma"]["budget"], json["reflectance"]["sigma"]["stat"]},
         {json["products"]["budget"], json["products"]["stat"]}})
     for (const auto& [key, value] : stat.items()) EXPECT_TRUE(budget.contains(key)) << key;
+}
+
+// Frames are those of the factors: without factors there are none.
+TEST(ResultJson, FactorsSayWhichFramesTheyAreOf) {
+  Estimate e = ExampleEstimate();
+  e.frames = {0, 2, 7};
+  EXPECT_FALSE(ToJson(e).contains("frames"));
+  e.lights[1].light.factors = {1.0, 0.9, 1.1};
+  e.lights[1].factor_sigma = {0.01, 0.01, 0.02};
+  EXPECT_EQ(ToJson(e)["frames"], nlohmann::json({0, 2, 7}));
 }
 
 TEST(ResultJson, WhatIsUnknownIsNullWithANote) {
@@ -205,6 +217,8 @@ TEST(ResultJson, TheDesignListsEveryKey) {
   e.lights[1].light.color = {1.0, 0.9, 0.7};
   e.reflectance.lobes[0] = {model::SpecularModel::kGgx, 0.3, 0.2, 0.5};
   e.reflectance.ambient_colour = e.reflectance.specular_colour = {1.0, 0.8, 0.6};
+  e.lights[0].light.factors = {1.0};
+  e.frames = {0};
   std::set<std::string> keys;
   CollectKeys(nlohmann::ordered_json::parse(ResultToJson(e, "name", Method::kPaper, {})), keys);
   EXPECT_GT(keys.size(), 60u);
