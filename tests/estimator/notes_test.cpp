@@ -84,8 +84,11 @@ TEST(Notes, TheCountIsUncertainForThreeReasons) {
 TEST(Notes, APhotographsCountIsUncertainForTwoReasons) {
   const auto notes = [](double least_kept, double most_dropped) {
     Estimate estimate = Unremarkable();
-    AddPhotographNotes({.misfit = 1.44, .least_kept = least_kept, .most_dropped = most_dropped},
-                       estimate);
+    start::PhotographLights lights;
+    lights.misfit = 1.44;
+    lights.least_kept = least_kept;
+    lights.most_dropped = most_dropped;
+    AddPhotographNotes(lights, estimate);
     return estimate;
   };
   const double none = std::numeric_limits<double>::infinity();  // no light beside the only one
