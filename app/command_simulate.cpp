@@ -59,12 +59,14 @@ class AskedSignals {
 Status Override(const SimulateArguments& arguments, SimulatorConfig& config) {
   if (!arguments.link.empty()) {
     if (!config.table)
-      return InputError("--link: " + arguments.config + " has no devices/table that it is of");
+      return InputError("--link names the port of a simulated table, and " + arguments.config +
+                        " has no devices/table");
     config.table->link = arguments.link;
   }
   if (arguments.address.empty()) return {};
   if (!config.camera)
-    return InputError("--address: " + arguments.config + " has no devices/camera that it is of");
+    return InputError("--address is that of a simulated camera, and " + arguments.config +
+                      " has no devices/camera");
   in_addr parsed{};
   if (::inet_pton(AF_INET, arguments.address.c_str(), &parsed) != 1)
     return InputError("--address: " + arguments.address +

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/format.h"
 #include "nodes/frame_proof.h"
 
 namespace turnlight::app {
@@ -35,7 +36,10 @@ Result<Shot> TryPicture(const Shooting& shooting) {
     }
     if (StopRequested(shooting.stop)) return InterruptedError();
     if (now() >= deadline)
-      return DeviceError("no picture came in answer to trigger " + std::to_string(*trigger));
+      return DeviceError(Format(
+          "no picture came in answer to trigger %llu within %.3g s, the exposure and the timeout "
+          "(capture/frame_timeout_s, or --timeout where given)",
+          static_cast<unsigned long long>(*trigger), ToSeconds(deadline - triggered)));
     std::this_thread::sleep_for(kPollCameraEvery);
   }
 }

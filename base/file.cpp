@@ -106,6 +106,7 @@ Result<std::string> ReadFile(const fs::path& path, std::uint64_t max_bytes) {
   struct stat info {};
   if (::fstat(fd.get(), &info) != 0)
     return InputError(path.string() + ": cannot read: " + ErrnoText());
+  if (S_ISDIR(info.st_mode)) return InputError(path.string() + ": a folder, allowed is a file");
   if (!S_ISREG(info.st_mode)) return InputError(path.string() + ": not a regular file");
   if (static_cast<std::uint64_t>(info.st_size) > max_bytes)
     return InputError(path.string() + ": " + std::to_string(info.st_size) + " bytes, at most " +

@@ -8,6 +8,8 @@ namespace turnlight::calib {
 namespace {
 
 constexpr double kOrthonormalTolerance = 1e-6;
+// Numbers of three decimal places or more are off by no more.
+constexpr double kOfRounding = 3e-3;
 
 }  // namespace
 
@@ -32,9 +34,12 @@ Result<Pose> PoseFromRows(const std::vector<double>& rows, const std::string& wh
   const double deviation = (gram - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   // Written so that an overflow to infinity or NaN is refused too.
   if (!(deviation <= kOrthonormalTolerance))
-    return InputError(what +
-                      ": the rotation is not orthonormal: the largest element of |R'R - I| is " +
-                      NumberText(deviation) + ", allowed is at most 1e-06");
+    return InputError(
+        what +
+        ": the rotation is not orthonormal: its columns are not of length 1 and at "
+        "right angles (the largest element of |R'R - I| is " +
+        NumberText(deviation) + ", allowed is at most 1e-06)" +
+        (deviation < kOfRounding ? "; were its numbers rounded? Write more digits" : ""));
   const double determinant = pose.rotation.determinant();
   if (determinant < 0.0)
     return InputError(what + ": the rotation is a reflection: its determinant is " +

@@ -64,11 +64,10 @@ void AddCountNote(double noise, double brightest, Estimate& out) {
 void AddPhotographNotes(const start::PhotographLights& lights, Estimate& out) {
   constexpr double kHardlyKept = 1.3, kNearlyKept = 0.7;
   AddNote("photograph", {{"misfit", Format("%.2g", std::sqrt(lights.misfit))}}, out);
-  if (lights.least_kept < kHardlyKept || lights.most_dropped > kNearlyKept)
-    AddNote("count-uncertain/highlights",
-            {{"kept", std::isfinite(lights.least_kept) ? Format("%.2g", lights.least_kept) : "-"},
-             {"dropped", Format("%.2g", lights.most_dropped)}},
-            out);
+  if (lights.least_kept < kHardlyKept)
+    AddNote("count-uncertain/hardly-kept", {{"kept", Format("%.2g", lights.least_kept)}}, out);
+  if (lights.most_dropped > kNearlyKept)
+    AddNote("count-uncertain/nearly-kept", {{"dropped", Format("%.2g", lights.most_dropped)}}, out);
 }
 
 void AddOutliersNote(const observe::FlagCounts& counts, Estimate& out) {

@@ -25,8 +25,8 @@ void AddCountNote(double noise, double brightest, Estimate& out);
 bool Unexplained(double rms, double noise);
 bool Noisy(double noise, double brightest);
 
-// Code "photograph"; and "count-uncertain", if one of its lights is hardly worth its price or one
-// that was dropped nearly.
+// Code "photograph"; and "count-uncertain", if one of its lights is hardly worth its price, and
+// if one that was dropped nearly is.
 void AddPhotographNotes(const start::PhotographLights& lights, Estimate& out);
 
 // Code "outliers", if there are so many that some may have been missed.

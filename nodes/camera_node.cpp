@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/format.h"
+
 namespace turnlight::nodes {
 
 Status CameraNode::Configure(StrictObject& params) {
@@ -50,7 +52,11 @@ Status CameraNode::OnPoll(graph::Time now) {
             ""},
            now);
   } else if (now >= deadline_) {
-    Finish({std::nullopt, "no picture came in answer to trigger " + std::to_string(trigger_)}, now);
+    Finish({std::nullopt, Format("no picture came in answer to trigger %llu within %.3g s, the "
+                                 "exposure and capture/frame_timeout_s",
+                                 static_cast<unsigned long long>(trigger_),
+                                 graph::ToMs(deadline_ - triggered_at_) * 1e-3)},
+           now);
   }
   return {};
 }

@@ -46,7 +46,8 @@ const std::vector<Row> kTooFewPixels = {
      "most target pixels are at the sensor's floor, and the bright ones are near white",
      "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels are "
      "lost in noise, though bright ones reach {bright} of white:",
-     "lower the gain, or average several pictures of each pose; more light would clip."},
+     "lower the gain and lengthen the exposure by as much, or average several pictures of each "
+     "pose; a longer exposure alone would soon clip."},
     {"too-oblique", kRefusal, "most target pixels are seen at a grazing angle",
      "{used} usable pixels, at least {least} are needed. {count} of {on_target} target pixels see "
      "the surface too obliquely:",
@@ -59,9 +60,11 @@ const std::vector<Row> kTooFewPixels = {
      "{used} usable pixels, at least {least} are needed. Of {on_target} target pixels {saturated} "
      "are clipped, {lost} lost in noise, {edge} at the outline or too oblique, {outliers} unlike "
      "their neighbours:",
-     "begin with the largest of these."},
+     "begin with the largest of these: a shorter exposure against clipping, a longer one against "
+     "noise, a closer view, more from the front, against outlines."},
     {"too-few/so-far", kRefusal, "few pixels are usable yet, while a capture goes on",
-     "{used} usable pixels, at least {least} are needed.", ""},
+     "{used} usable pixels so far, at least {least} are needed:",
+     "the next pictures may bring them."},
 };
 
 // There are pixels, and they tell nothing of lights.
@@ -89,10 +92,11 @@ const std::vector<Row> kNoLight = {
      "{share} % of the brightest radiance, and that is {bright} of white:",
      "expose longer, or check the lamp."},
     {"no-light/noisy", kRefusal,
-     "no light is found, and the noise could hide one though the pictures reach white",
+     "no light is found, and the noise could hide one though the pictures are not far below white",
      "no light explains more of the pictures than ambient light does; their noise is {noise}, "
-     "{share} % of the brightest radiance, which is near white already:",
-     "lower the gain, or average several pictures of each pose."},
+     "{share} % of the brightest radiance, and that is {bright} of white:",
+     "lower the gain and lengthen the exposure by as much, or average several pictures of each "
+     "pose; a longer exposure alone would soon clip."},
     {"no-light/unexplained", kRefusal,
      "no light is found, though the pictures vary by more than noise",
      "no light explains more of the pictures than ambient light does, though they vary by more "
@@ -110,7 +114,8 @@ const std::vector<Row> kNoLight = {
      "the same, and the noise is more than 15 % of the brightest radiance",
      "the direction of the brightest light is not known to 45 degrees; the noise is {share} % of "
      "the brightest radiance:",
-     "average several pictures of each pose, take more of them, or lower the gain."},
+     "average several pictures of each pose, take more of them, or lower the gain and lengthen "
+     "the exposure by as much."},
     {"direction-unknown", kRefusal, "the same, for another reason",
      "the direction of the brightest light is not known to 45 degrees (sigma {sigma}) from {views} "
      "with {pixels} usable pixels:",
@@ -161,10 +166,11 @@ const std::vector<Row> kModel = {
      "with 95 % confidence they are farther than distance_min."},
     {"not-converged", kNote, "the solver ended at its limit of iterations",
      "The solver reached its limit of iterations.",
-     "The values may not be the best fit yet, and their sigmas may be too small."},
+     "The values may not be the best fit yet, and their sigmas may be too small; turnlight "
+     "estimate --initial with this result.json begins with these lights."},
     {"not-converged/not-finite", kNote, "the solver ended where the model is not finite",
      "The solver could not begin: the model is not finite at its start.",
-     "The values are those of the start, not of a fit."},
+     "The values are those of the start, not of a fit; if they came from --initial, check them."},
     {"not-converged/descent", kNote, "--method paper, and the descent ended at its limit",
      "The descent reached its limit of iterations.", "The lights may not be the best fit yet."},
     {"distance-brightness-equivalent", kNote, "--method paper",
@@ -178,24 +184,31 @@ const std::vector<Row> kModel = {
      "Directions are those of the intensity map's clusters and are not refined."},
     {"count-uncertain/noise", kNote, "the noise is more than 15 % of the brightest radiance",
      "The noise is {noise}, {share} % of the brightest radiance:",
-     "lights and highlights may be hidden in it."},
+     "lights and highlights may be hidden in it; average several pictures of each pose, or lower "
+     "the gain and lengthen the exposure by as much."},
     {"count-uncertain/few-pixels", kNote, "fewer than 1000 pixels are usable",
-     "Only {pixels} pixels are usable:", "they may not show every light."},
+     "Only {pixels} pixels are usable:",
+     "they may not show every light; take more pictures, or move the camera closer."},
     {"count-uncertain/unexplained", kNote, "the residual is more than twice the noise",
      "The model leaves {rms} rms of the pictures unexplained, {times} times their noise:",
      "a light, a shadow or a property of the surface may be missing, and the number of lights is "
-     "uncertain."},
-    {"count-uncertain/highlights", kNote,
-     "of a photograph: a light that was kept is worth less than 1.3 of its price, or one that was "
-     "not more than 0.7",
-     "The light that tells least is worth {kept} times its price, and one that was left out "
-     "{dropped} times:",
-     "the number of lights is uncertain; look at the residual pictures, or take views from more "
-     "sides."},
+     "uncertain; the residual pictures (residual_NNN.png) show where."},
+    {"count-uncertain/hardly-kept", kNote,
+     "of a photograph: a light that was kept is worth less than 1.3 of its price",
+     "The evidence for a light that was kept is {kept} times what is asked for one:",
+     "that is hardly enough, and it may not be there; take views from more sides, or compare with "
+     "--model lights=N, N being one fewer."},
+    {"count-uncertain/nearly-kept", kNote,
+     "of a photograph: a light that was left out is worth more than 0.7 of its price",
+     "The evidence for a light that was left out is {dropped} times what is asked for one:",
+     "that is nearly enough, and there may be one more; look at the residual pictures "
+     "(residual_NNN.png), take views from more sides, or compare with --model lights=N, N being "
+     "one more."},
     {"photograph", kNote,
      "no usual model explains the pictures down to their noise, and there are highlights",
-     "The pictures are those of a surface that departs from every model, by {misfit} of what is "
-     "common:",
+     "There are highlights, but no usual model of a surface explains the pictures down to their "
+     "noise; what is left unexplained is {misfit} times what is expected of photographs of real "
+     "surfaces:",
      "lights were found by their highlights, and sigmas allow for it."},
     {"outliers", kNote, "0.5 % of the target's pixels or more are outliers",
      "{count} of {on_target} target pixels are unlike all around them and were left out;",
@@ -216,14 +229,18 @@ const std::vector<Row> kModel = {
      "residual is that of the fit before they were left out.",
      "--model lights=N decides how many there are."},
     {"null-distance-min", kNote, "a light's distance has no bound",
-     "distance_min is null for light {lights}:", "the data do not bound its distance from below."},
+     "distance_min is null for light {lights}:",
+     "the data do not tell how far it is at least; it may be near or far."},
     {"null-intensity-sigma", kNote, "there is a light", "intensity_sigma is null for light 1:",
      "the strongest light's intensity is 1 by definition; the sigmas of products do not depend on "
      "that."},
     {"null-condition", kNote, "the normal equations are singular",
-     "identifiability/condition is null:", "the normal equations are singular."},
+     "identifiability/condition is null:",
+     "the pictures leave some combination of the values open (the normal equations are singular); "
+     "pictures from more sides would tell it."},
     {"null-sigma", kNote, "the data do not determine sigmas",
-     "The data do not determine the sigma of {list}.", ""},
+     "The data do not determine the sigma of {list}.",
+     "Nothing says how far those values can be trusted; pictures from more sides may tell."},
 };
 
 const std::vector<Row> kFrames = {

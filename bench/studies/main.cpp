@@ -152,8 +152,7 @@ int Main(int argc, char** argv) {
   CLI::App app("Measures the estimator on many scenes");
   app.require_subcommand(1);
   Arguments random, eight, handstart, coverage, lights, hard, shifted, extremes, sessions,
-      photographs, summary,
-      report, config;
+      photographs, summary, report, config;
   CLI::App* random_command = AddStudy(
       app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
   CLI::App* eight_command =

@@ -126,7 +126,7 @@ Status CheckUsable(const Observations& all, const FlagCounts* counts) {
   if (all.used < kMinPixels) return TooFew(all.used, counts);
   const double brightest = BrightestRadiance(all) * all.radiance_unit;
   if (brightest <= kDarkRadiance)
-    return messages::Refuse("black", {{"bright", std::to_string(brightest)}});
+    return messages::Refuse("black", {{"bright", Format("%.2g", brightest)}});
   return {};
 }
 

@@ -71,7 +71,8 @@ Result<double> Features::Number(const std::string& name) {
 
 Result<std::int64_t> Features::Integer(const std::string& name) {
   ArvGcNode* node = Node(name);
-  if (!ARV_IS_GC_INTEGER(node)) return DeviceError(name + ": is no number of this camera");
+  if (!ARV_IS_GC_INTEGER(node))
+    return DeviceError(name + ": this camera has no number of that name");
   return Ask(name, [&](GError** error) -> std::int64_t {
     return arv_gc_integer_get_value(ARV_GC_INTEGER(node), error);
   });
@@ -80,7 +81,7 @@ Result<std::int64_t> Features::Integer(const std::string& name) {
 Result<NumberBounds> Features::Bounds(const std::string& name) {
   ArvGcNode* node = Node(name);
   if (!ARV_IS_GC_FLOAT(node) && !ARV_IS_GC_INTEGER(node))
-    return DeviceError(name + ": is no number of this camera");
+    return DeviceError(name + ": this camera has no number of that name");
   const auto ask = [&](auto of_float, auto of_integer) {
     return Ask(name, [&](GError** error) -> double {
       return ARV_IS_GC_FLOAT(node) ? of_float(ARV_GC_FLOAT(node), error)
@@ -99,7 +100,8 @@ Status Features::SetNumber(const std::string& name, double value) {
   if (ARV_IS_GC_FLOAT(node))
     return Ask(name,
                [&](GError** error) { arv_gc_float_set_value(ARV_GC_FLOAT(node), value, error); });
-  if (!ARV_IS_GC_INTEGER(node)) return DeviceError(name + ": is no number of this camera");
+  if (!ARV_IS_GC_INTEGER(node))
+    return DeviceError(name + ": this camera has no number of that name");
   return Ask(name, [&](GError** error) {
     arv_gc_integer_set_value(ARV_GC_INTEGER(node), std::llround(value), error);
   });

@@ -168,8 +168,9 @@ Status WriteRawCapture(const RawCapture& capture, const fs::path& root, FileOps&
 Result<cv::Mat> ReadRawImage(const RawCapture& capture, std::size_t frame, Mosaic mosaic) {
   const fs::path file = capture.root / kCaptureFile;
   if (frame >= capture.frames.size())
-    return InputError(file.string() + ": frame " + std::to_string(frame) + " of " +
-                      std::to_string(capture.frames.size()) + " was asked for");
+    return InputError(file.string() + ": frame " + std::to_string(frame) +
+                      " was asked for, it has " + std::to_string(capture.frames.size()) +
+                      ", counted from 0");
   const auto located = Locate(capture.root, PathOf(capture, frame));
   if (!located) return Forward(located);
   try {

@@ -77,8 +77,9 @@ Status WriteSession(const Session& session, const fs::path& root, FileOps& ops) 
 
 Result<FrameImages> ReadFrameImages(const Session& session, std::size_t frame) {
   if (frame >= session.frames.size() || !session.camera)
-    return InputError(session.root.string() + ": frame " + std::to_string(frame) + " of " +
-                      std::to_string(session.frames.size()) + " was asked for");
+    return InputError(session.root.string() + ": frame " + std::to_string(frame) +
+                      " was asked for, it has " + std::to_string(session.frames.size()) +
+                      ", counted from 0");
   try {
     return ReadFrame(session, frame);
   } catch (const std::exception& error) {  // of OpenCV: no memory

@@ -62,7 +62,7 @@ TEST_F(OnePictureTest, SilenceEnds) {
   SilentCamera camera;
   const auto shot = Take(camera, 1);
   ASSERT_FALSE(shot);
-  EXPECT_THAT(shot.error().text, HasSubstr("no picture came in answer to trigger 1"));
+  EXPECT_THAT(shot.error().text, HasSubstr("no picture came in answer to trigger 1 within 0.0"));
   stop_ = true;
   const auto stopped = Take(camera, 5);
   ASSERT_FALSE(stopped);

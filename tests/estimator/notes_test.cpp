@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace turnlight::estimator {
 namespace {
 
@@ -77,6 +79,28 @@ TEST(Notes, TheCountIsUncertainForThreeReasons) {
   const std::string text = texts(unexplained, 0.01, 1.0);
   EXPECT_THAT(text, HasSubstr("count-uncertain: The model leaves 0.031 rms"));
   EXPECT_THAT(text, HasSubstr("3.1 times their noise"));
+}
+
+TEST(Notes, APhotographsCountIsUncertainForTwoReasons) {
+  const auto notes = [](double least_kept, double most_dropped) {
+    Estimate estimate = Unremarkable();
+    start::PhotographLights lights;
+    lights.misfit = 1.44;
+    lights.least_kept = least_kept;
+    lights.most_dropped = most_dropped;
+    AddPhotographNotes(lights, estimate);
+    return estimate;
+  };
+  const double none = std::numeric_limits<double>::infinity();  // no light beside the only one
+  EXPECT_THAT(CodesOf(notes(none, 0.7)), ElementsAre("photograph"));
+  EXPECT_THAT(notes(none, 0.0).notes[0].text, HasSubstr("unexplained is 1.2 times what"));
+  const Estimate weak = notes(1.29, 0.7), strong = notes(1.3, 0.71);
+  ASSERT_THAT(CodesOf(weak), ElementsAre("photograph", "count-uncertain"));
+  EXPECT_THAT(weak.notes[1].text, HasSubstr("a light that was kept is 1.3 times what is asked"));
+  ASSERT_THAT(CodesOf(strong), ElementsAre("photograph", "count-uncertain"));
+  EXPECT_THAT(strong.notes[1].text, HasSubstr("that was left out is 0.71 times what is asked"));
+  EXPECT_THAT(CodesOf(notes(1.29, 0.71)),
+              ElementsAre("photograph", "count-uncertain", "count-uncertain"));
 }
 
 TEST(Notes, ThresholdsAreTheStatedOnes) {

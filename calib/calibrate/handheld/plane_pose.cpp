@@ -23,6 +23,9 @@ constexpr double kMaxOffAxisDeg = 85.0;
 // Of the smaller half-axis of the points' spread to the larger one: below, they lie on a line.
 constexpr double kLeastBreadth = 1e-3;
 constexpr int kMostIterations = 60;
+constexpr const char* kNoPose =
+    "from no place would the camera see the points where the picture has them: is it this board, "
+    "or target, and this lens?";
 
 Pose Moved(const Pose& pose, const Vector6& step) {
   const Eigen::Vector3d w = step.head<3>();
@@ -104,6 +107,18 @@ std::optional<Refined> Refine(const CameraModel& camera, const std::vector<SeenP
   return best;
 }
 
+Status CheckRay(const Eigen::Vector3d& ray, const Eigen::Vector2d& pixel) {
+  constexpr const char* kBring = "; bring the plane nearer to the picture's middle";
+  const std::string point = Format("the point at pixel %.1f, %.1f lies ", pixel.x(), pixel.y());
+  if (!ray.allFinite()) return InputError(point + "where the lens model does not reach" + kBring);
+  if (ray.z() < std::cos(DegToRad(kMaxOffAxisDeg)))
+    return InputError(point +
+                      Format("%.0f degrees off the lens's axis, allowed are at most %g",
+                             RadToDeg(std::acos(std::max(ray.z(), -1.0))), kMaxOffAxisDeg) +
+                      kBring);
+  return {};
+}
+
 // Both poses that fit the rays about equally well, the better one first.
 Result<std::vector<Pose>> Starts(const CameraModel& camera,
                                  const std::vector<SeenPosition>& points) {
@@ -114,20 +129,17 @@ Result<std::vector<Pose>> Starts(const CameraModel& camera,
     places.emplace_back(point.p_B.x(), point.p_B.y(), 0.0);
   }
   std::vector<cv::Point2d> seen;
-  const double least_z = std::cos(DegToRad(kMaxOffAxisDeg));
-  for (const Eigen::Vector3d& ray : camera.Unproject(pixels)) {
-    if (!ray.allFinite()) return InputError("a point lies where the lens model does not reach");
-    if (ray.z() < least_z)
-      return InputError(
-          Format("a point lies more than %g degrees off the lens's axis", kMaxOffAxisDeg));
-    seen.emplace_back(ray.x() / ray.z(), ray.y() / ray.z());
+  const std::vector<Eigen::Vector3d> rays = camera.Unproject(pixels);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (const Status good = CheckRay(rays[i], pixels[i]); !good) return Forward(good);
+    seen.emplace_back(rays[i].x() / rays[i].z(), rays[i].y() / rays[i].z());
   }
   std::vector<cv::Mat> rotations, shifts;
   try {
     cv::solvePnPGeneric(places, seen, cv::Matx33d::eye(), cv::noArray(), rotations, shifts, false,
                         cv::SOLVEPNP_IPPE);
   } catch (const cv::Exception&) {
-    return InputError("no pose shows the points where they are");
+    return InputError(kNoPose);
   }
   std::vector<Pose> starts;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
@@ -171,7 +183,7 @@ Result<PlanePose> EstimatePlanePose(const CameraModel& camera,
   std::vector<Refined> found;
   for (const Pose& start : *starts)
     if (const auto refined = Refine(camera, points, start)) found.push_back(*refined);
-  if (found.empty()) return InputError("no pose shows the points where they are");
+  if (found.empty()) return InputError(kNoPose);
   std::sort(found.begin(), found.end(),
             [](const Refined& a, const Refined& b) { return a.cost < b.cost; });
   const Refined& best = found.front();
@@ -187,7 +199,10 @@ Result<PlanePose> EstimatePlanePose(const CameraModel& camera,
     const double other = std::max(RmsOf(found[i].cost, points.size()), 1e-9);
     pose.mirrored_ratio = std::min(pose.mirrored_ratio, other / std::max(sigma, 1e-9));
   }
-  if (!pose.covariance.allFinite()) return InputError("the points leave the pose open");
+  if (!pose.covariance.allFinite())
+    return InputError(
+        "the points that are seen do not tell where the camera is: show more of the plane, from "
+        "closer or more at a slant");
   return pose;
 }
 

@@ -54,7 +54,7 @@ std::string WhyNotUsable(const PlanePose& pose, const RegistrationOptions& optio
         pose.rms_px, options.worst_rms_px);
   if (pose.mirrored_ratio < kClearMirrorRatio)
     return "the plane is too small or too far away in it: its tilt could be the mirrored one as "
-           "well";
+           "well; take it from closer, or more at a slant";
   return "";
 }
 

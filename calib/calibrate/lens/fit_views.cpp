@@ -151,9 +151,11 @@ Result<ViewsFit> FitViews(const std::array<int, 2>& image_size, const board::Boa
       options.progress("fitting " + std::to_string(result.used.size()) + " views");
     auto fit = FitOnce(image_size, board, Chosen(views, result.used), options);
     if (!fit)
-      return NoEstimateError("no lens of the model " + options.lens_model + " fits the " +
-                             std::to_string(result.used.size()) +
-                             " views: the optimizer ends without a solution");
+      return NoEstimateError(
+          "no lens of the model " + options.lens_model + " fits the " +
+          std::to_string(result.used.size()) +
+          " views: is it this board, with its squares as wide as told, and are all "
+          "pictures of one lens? If so, try a simpler lens model");
     const auto misfits = Misfits(fit->problem);
     std::vector<double> sizes;
     for (const ViewMisfit& misfit : misfits) sizes.push_back(misfit.px);

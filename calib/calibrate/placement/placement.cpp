@@ -98,8 +98,8 @@ Result<std::vector<State>> StartsOf(const Task& task) {
         StartSphere(task.calibration, task.views, sphere->radius, task.options.fit_radius);
     if (start) return std::vector{*start};
     return InputError(task.options.fit_radius
-                          ? "the radius cannot be told from these angles: allowed are two that "
-                            "differ, or a radius that is given"
+                          ? "the radius cannot be told from these angles: allowed are pictures at "
+                            "two that differ, or a known radius, without --fit-radius"
                           : "the outlines are too small to tell where the sphere is");
   }
   if (!task.picked.empty()) {
@@ -112,12 +112,13 @@ Result<std::vector<State>> StartsOf(const Task& task) {
   if (const auto* plane = std::get_if<calib::PlaneShape>(&task.shape)) {
     auto starts = StartPlane(task.calibration, task.views, *plane);
     if (!starts.empty()) return starts;
-    return InputError("no outline has four corners: pick four points of the target");
+    return InputError(
+        "no outline has four corners: pick four points of the target (--points FILE)");
   }
   if (!task.options.upright)
     return InputError(
-        "a mesh needs picked points to begin with, or the word that it stands "
-        "upright on the table (its z axis along the table's)");
+        "a mesh needs picked points to begin with (--points FILE), or, if it stands upright on the "
+        "table (its z axis along the table's), --upright");
   auto starts = StartUpright(task.calibration, task.views, task.center_T, task.size);
   if (!starts.empty()) return starts;
   return InputError("the outlines are too small to tell where the mesh is");

@@ -64,7 +64,8 @@ TEST(Messages, IdsAreUniqueAndEachIsSaidSomewhere) {
 
 TEST(Messages, ValuesComeWhereTheirNamesStand) {
   EXPECT_EQ(Text("count-uncertain/few-pixels", {{"pixels", "12"}, {"other", "x"}}),
-            "Only 12 pixels are usable: they may not show every light.");
+            "Only 12 pixels are usable: they may not show every light; take more "
+            "pictures, or move the camera closer.");
   EXPECT_EQ(CodeOf("count-uncertain/few-pixels"), "count-uncertain");
   EXPECT_EQ(CodeOf("grey"), "grey");
   const auto refused = Refuse("black", {{"bright", "0"}});

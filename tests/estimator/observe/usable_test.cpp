@@ -37,7 +37,7 @@ TEST(CountFlags, CountsPixelsOfTheTargetByKind) {
 TEST(CheckUsable, ThirtyLitPixelsAreEnough) {
   EXPECT_TRUE(CheckUsable(RandomObservations(30, 3, 1).observations));
   EXPECT_THAT(RefusalOf(CheckUsable(RandomObservations(29, 3, 1).observations)),
-              HasSubstr("29 usable pixels, at least 30 are needed"));
+              HasSubstr("29 usable pixels so far, at least 30 are needed: the next pictures"));
 }
 
 TEST(CheckUsable, SaysWhyTheOthersAreNot) {
@@ -63,6 +63,7 @@ TEST(CheckUsable, SaysWhyTheOthersAreNot) {
               HasSubstr("70 of 100 target pixels see the surface too obliquely"));
   EXPECT_THAT(why({.on_target = 100, .saturated = 40, .lost = 30, .edge = 20}),
               HasSubstr("Of 100 target pixels 40 are clipped, 30 lost in noise, 20 at the"));
+  EXPECT_THAT(why({.on_target = 100, .saturated = 40}), HasSubstr("a shorter exposure against"));
 }
 
 model::Keyframe Strip(const std::vector<float>& values, const std::vector<int>& clipped) {
@@ -94,7 +95,8 @@ TEST(CheckUsable, BlackPicturesAreRefused) {
   Observations all = RandomObservations(2000, 3, 1).observations;
   for (int c = 0; c < 3; ++c) all.radiance[c].assign(all.size(), 1e-8f);
   all.radiance[0][17] = 0.5f;  // one of 2000 is no light
-  EXPECT_THAT(RefusalOf(CheckUsable(all)), HasSubstr("every usable pixel is black"));
+  EXPECT_THAT(RefusalOf(CheckUsable(all)),
+              HasSubstr("every usable pixel is black (99.9 % at or below 1e-08 of white)"));
   all.radiance[0].assign(all.size(), 1e-6f);
   EXPECT_TRUE(CheckUsable(all));
 }

@@ -125,7 +125,10 @@ TEST(PlanePose, WhatGivesNoPoseIsRefused) {
     line.push_back({{10.0 * i, 5.0 * i}, {600.0 + 20.0 * i, 500.0 + 10.0 * i}, 1.0});
   EXPECT_NE(EstimatePlanePose(camera, line, 0.1).error().text.find("on a line"), std::string::npos);
   points[2].pixel = {1e6, 1e6};
-  EXPECT_FALSE(EstimatePlanePose(camera, points, 0.1));
+  const auto far = EstimatePlanePose(camera, points, 0.1);
+  ASSERT_FALSE(far);
+  EXPECT_NE(far.error().text.find("the point at pixel 1000000.0, 1000000.0 lies "),
+            std::string::npos);
   points[2].pixel.x() = std::nan("");
   EXPECT_FALSE(EstimatePlanePose(camera, points, 0.1));
 }

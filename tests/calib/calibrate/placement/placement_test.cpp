@@ -17,6 +17,7 @@
 namespace turnlight::calib::calibrate::placement {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -65,7 +66,8 @@ TEST(PlaceTarget, FindsTheRadiusIfAsked) {
   EXPECT_GT(placed->radius_sigma, 0.1 * placed->pixel_length);
   const auto one = PlaceTarget(rig, calib::SphereShape{25.0}, {views[0]}, {}, options);
   ASSERT_FALSE(one);
-  EXPECT_THAT(one.error().text, HasSubstr("the radius cannot be told"));
+  EXPECT_THAT(one.error().text,
+              AllOf(HasSubstr("the radius cannot be told"), HasSubstr("without --fit-radius")));
 }
 
 TEST(PlaceTarget, OneAngleIsReportedWithItsTrueSigma) {
@@ -128,7 +130,8 @@ TEST(PlaceTarget, FindsAnUprightMeshWithoutPoints) {
   ExpectRight(*placed, truth, true);
   const auto refused = PlaceTarget(rig, lump, views, {});
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text, HasSubstr("needs picked points"));
+  EXPECT_THAT(refused.error().text,
+              AllOf(HasSubstr("picked points to begin with (--points"), HasSubstr("--upright")));
 }
 
 TEST(PlaceTarget, SaysThatATurnedBodysRotationIsNotDetermined) {
