@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <string>
 
 #include "bench/studies/random_scene.h"
@@ -148,27 +149,35 @@ int MakeReport(const Arguments& arguments) {
   return status ? 0 : Refuse(status.error());
 }
 
+// The studies of scenes that are made from their numbers.
+struct SceneStudy {
+  const char* name;
+  const char* what;
+  const char* scenes;  // all of them
+  std::vector<Job> (*jobs)(Range);
+};
+constexpr SceneStudy kSceneStudies[] = {
+    {"random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", RandomJobs},
+    {"eight", "Eight lights over a ball and a lump, 20 and 10 views", "0:5", EightJobs},
+    {"handstart", "Random scenes, started 10 to 70 degrees off", "0:100", HandStartJobs},
+    {"coverage", "Random scenes, 20 draws of noise each: do the intervals hold?", "0:32",
+     CoverageJobs},
+    {"lights", "Few lights: white, coloured, changing, in a field", "0:100", LightJobs},
+    {"hard", "Scenes whose lights are hard to count: does the result say so?", "0:240", HardJobs},
+    {"shifted", "The random scenes, the target 1e-4 radii elsewhere than said", "0:200",
+     ShiftedJobs},
+};
+
 int Main(int argc, char** argv) {
   CLI::App app("Measures the estimator on many scenes");
   app.require_subcommand(1);
-  Arguments random, eight, handstart, coverage, lights, hard, shifted, extremes, sessions,
-      photographs, summary, report, config;
-  CLI::App* random_command = AddStudy(
-      app, "random", "Random scenes, no hint (bench/studies/random_scene.h)", "0:200", random);
-  CLI::App* eight_command =
-      AddStudy(app, "eight", "Eight lights over a ball and a lump, 20 and 10 views", "0:5", eight);
-  CLI::App* handstart_command =
-      AddStudy(app, "handstart", "Random scenes, started 10 to 70 degrees off", "0:100", handstart);
-  CLI::App* coverage_command =
-      AddStudy(app, "coverage", "Random scenes, 20 draws of noise each: do the intervals hold?",
-               "0:32", coverage);
-  CLI::App* lights_command =
-      AddStudy(app, "lights", "Few lights: white, coloured, changing, in a field", "0:100", lights);
-  CLI::App* hard_command = AddStudy(
-      app, "hard", "Scenes whose lights are hard to count: does the result say so?", "0:240", hard);
-  CLI::App* shifted_command =
-      AddStudy(app, "shifted", "The random scenes, the target 1e-4 radii elsewhere than said",
-               "0:200", shifted);
+  Arguments of_scenes[std::size(kSceneStudies)], extremes, sessions, photographs, summary, report,
+      config;
+  CLI::App* scene_commands[std::size(kSceneStudies)];
+  for (std::size_t i = 0; i < std::size(kSceneStudies); ++i) {
+    const SceneStudy& study = kSceneStudies[i];
+    scene_commands[i] = AddStudy(app, study.name, study.what, study.scenes, of_scenes[i]);
+  }
   CLI::App* extremes_command =
       app.add_subcommand("extremes", "One thing at a time taken to its extreme");
   extremes_command->add_option("--only", extremes.scenes, "Cells whose id contains this");
@@ -191,13 +200,9 @@ int Main(int argc, char** argv) {
   config_command->add_option("NUMBER", config.number, "The scene's number")->required();
   config_command->add_option("--lights", config.scenes, "Of the study of lights, of this kind");
   CLI11_PARSE(app, argc, argv);
-  if (*random_command) return RunScenes("random", RandomJobs, random);
-  if (*eight_command) return RunScenes("eight", EightJobs, eight);
-  if (*handstart_command) return RunScenes("handstart", HandStartJobs, handstart);
-  if (*coverage_command) return RunScenes("coverage", CoverageJobs, coverage);
-  if (*lights_command) return RunScenes("lights", LightJobs, lights);
-  if (*hard_command) return RunScenes("hard", HardJobs, hard);
-  if (*shifted_command) return RunScenes("shifted", ShiftedJobs, shifted);
+  for (std::size_t i = 0; i < std::size(kSceneStudies); ++i)
+    if (*scene_commands[i])
+      return RunScenes(kSceneStudies[i].name, kSceneStudies[i].jobs, of_scenes[i]);
   if (*extremes_command) return RunExtremes(extremes);
   if (*sessions_command) return RunSessions(sessions);
   if (*photographs_command) return RunPhotographs(photographs);

@@ -145,10 +145,9 @@ TEST(ModelChoice, NearLightsKeepTheirDistance) {
   }
 }
 
-// Two lamps whose distance one picture with noise tells only roughly, or not at all.
+// Two lamps whose distance pictures with noise tell only roughly.
 TEST(ModelChoice, AKnownDistanceIsKeptAndNarrowsTheDirections) {
   rig::sim::SyntheticConfig config = Ball(0.02, 0.1);
-  config.motion.frames = 1;
   for (rig::sim::LightSpec& light : LightsOf(config)) light.distance = 400.0;
   model::ModelChoice choice;
   choice.near = true;

@@ -133,7 +133,7 @@ TEST(ModelOption, ARefusedKeyNamesTheNearestAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("color=red"), HasSubstr("allowed are free, white"));
   EXPECT_THAT(Refusal("weight=2"),
               AllOf(HasSubstr("unknown key \"weight\""), Not(HasSubstr("did you mean")),
-                    HasSubstr("allowed are lights, diffuse, specular, lobes, lights-are, color")));
+                    HasSubstr("allowed are lights, diffuse, specular, lobes, lights-are, distance, color")));
   EXPECT_THAT(Refusal(""), HasSubstr("unknown key \"\""));
 }
 

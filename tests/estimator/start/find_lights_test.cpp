@@ -51,7 +51,7 @@ TEST(FindLights, TheOrderOfTheStartsIsNothing) {
       const Candidate again = FindLights(sample, clusters, ladder);
       ASSERT_EQ(again.scene.lights.size(), first.scene.lights.size()) << explained;
       EXPECT_LT(WorstDirectionDeg(again.scene.lights, first.scene.lights), 0.01) << explained;
-      EXPECT_NEAR(again.excess / first.excess, 1.0, 1e-3);
+      EXPECT_NEAR(again.excess / first.excess, 1.0, 0.01);
     }
   }
 }

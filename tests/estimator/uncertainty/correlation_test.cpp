@@ -175,8 +175,9 @@ TEST(CorrelationOf, RowsAreWhatTheModelHas) {
 TEST(WithoutLight, LeavesTheOthersAsTheyWere) {
   ByHand by_hand;
   const Eigen::Index count = by_hand.covariance.rows();
-  const Eigen::MatrixXd root =
-      Eigen::MatrixXd::Identity(count, count) + 0.1 * Eigen::MatrixXd::Random(count, count);
+  Eigen::MatrixXd root = Eigen::MatrixXd::Identity(count, count);
+  for (Eigen::Index q = 0; q < root.size(); ++q)
+    root(q % count, q / count) += 0.1 * std::sin(static_cast<double>(q));
   by_hand.covariance = root * root.transpose();
   const Correlation both = by_hand.Made(), second = WithoutLight(both, 0);
   EXPECT_THAT(NamesOf(second), Contains("distance of light 1"));
@@ -193,7 +194,7 @@ struct Draws {
   static constexpr int kCount = 200;
   Reported truth;
   std::vector<Eigen::VectorXd> found;  // reported vectors
-  Eigen::MatrixXd predicted;           // mean of the covariances of sigma_total
+  std::vector<Correlation> predicted;  // of sigma_total
 
   Draws() {
     const model::Scene scene = TwoLights();
@@ -206,9 +207,16 @@ struct Draws {
       found.push_back(Flatten(Report(solution.scene, pixels, {0, 1}), truth));
       const Uncertainties sigmas =
           EstimateUncertainty(solution, pixels, {0, 1}, 1.0, SplitResiduals(pixels, solution));
-      if (draw == 0) predicted.setZero(found[0].size(), found[0].size());
-      predicted += sigmas.covariance / kCount;
+      predicted.push_back(CorrelationOf(sigmas.covariance, truth, 3));
     }
+  }
+  // The median of what is predicted. In a few draws halves disagree about a quantity by more than 3
+  // sigmas, by chance, which counts as an error that need not go with others.
+  double Predicted(Eigen::Index i, Eigen::Index j) const {
+    std::vector<double> all;
+    for (const Correlation& one : predicted) all.push_back(one.matrix(i, j));
+    std::nth_element(all.begin(), all.begin() + kCount / 2, all.end());
+    return all[kCount / 2];
   }
   Eigen::MatrixXd Sampled() const {
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(found[0].size());
@@ -224,18 +232,18 @@ struct Draws {
 // truth, whatever that is. 4.5 sigmas: chance exceeds them for one of 300 pairs in 0.2 %.
 TEST(CorrelationOf, AgreesWithDrawsOfTheNoise) {
   const Draws draws;
-  const Correlation predicted = CorrelationOf(draws.predicted, draws.truth, 3);
   const Correlation sampled = CorrelationOf(draws.Sampled(), draws.truth, 3);
-  ASSERT_EQ(NamesOf(predicted), NamesOf(sampled));
+  const std::vector<std::string> names = NamesOf(sampled);
+  for (const Correlation& one : draws.predicted) ASSERT_EQ(NamesOf(one), names);
   const auto fisher = [](double r) { return std::atanh(std::clamp(r, -0.999, 0.999)); };
   const double allowed = 4.5 / std::sqrt(Draws::kCount - 3.0);
   int strong = 0;
-  for (Eigen::Index i = 0; i < predicted.matrix.rows(); ++i)
+  for (Eigen::Index i = 0; i < sampled.matrix.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
-      const double expected = predicted.matrix(i, j);
+      const double expected = draws.Predicted(i, j);
       EXPECT_NEAR(fisher(sampled.matrix(i, j)), fisher(expected), allowed)
-          << predicted.quantities[static_cast<std::size_t>(i)].name() << ", "
-          << predicted.quantities[static_cast<std::size_t>(j)].name() << ": " << expected;
+          << names[static_cast<std::size_t>(i)] << ", " << names[static_cast<std::size_t>(j)]
+          << ": " << expected;
       strong += std::abs(expected) > 0.5 ? 1 : 0;
     }
   EXPECT_GT(strong, 20) << "there is something to agree on";
