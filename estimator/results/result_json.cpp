@@ -7,6 +7,7 @@
 
 #include "base/angles.h"
 #include "base/messages/messages.h"
+#include "estimator/results/next_view_json.h"
 #include "estimator/results/null_notes.h"
 #include "estimator/results/scene_json.h"
 
@@ -330,7 +331,7 @@ double LobeWidthDeg(const model::Lobe& lobe) {
 }
 
 std::string ResultToJson(const Estimate& estimate, const std::string& session_name, Method method,
-                         const RunTimes& times) {
+                         const RunTimes& times, const ViewAdvice* next_view) {
   ordered_json json;
   json["format"] = "turnlight-result";
   json["version"] = 1;
@@ -358,6 +359,7 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
         {"code", "null-sigma"}, {"text", messages::Text("null-sigma", {{"list", null_sigmas}})}});
   for (const std::string& key : estimate.undetermined)
     json[ordered_json::json_pointer("/" + key)] = nullptr;
+  if (next_view != nullptr) json["next_view"] = NextViewToJson(*next_view);
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;
