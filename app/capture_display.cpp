@@ -3,6 +3,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "app/progress.h"
@@ -91,7 +92,7 @@ void CaptureDisplay::OnPace(const nodes::Pace& pace) {
 void CaptureDisplay::OnBracket(const nodes::Bracket& bracket) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++done_;
-  frame_text_ = BracketText(bracket, done_, total_);
+  frame_text_ = BracketText(bracket, done_, std::max(total_, done_));
   const double seconds = stopwatch_.Seconds();
   if (done_ < total_ && !bracket.placed) {  // how long a person takes, nobody knows
     const double left =
@@ -105,6 +106,10 @@ void CaptureDisplay::OnGuidance(const nodes::Guidance& guidance) {
   const std::lock_guard<std::mutex> lock(mutex_);
   guidance_text_ = GuidanceText(guidance);
   Show(guidance_text_);
+}
+
+void CaptureDisplay::OnVerdict(const nodes::Verdict& verdict) {
+  if (!verdict.words.empty()) OnLine(verdict.words);
 }
 
 void CaptureDisplay::OnEstimate(const nodes::Estimate& estimate) {

@@ -24,6 +24,7 @@ class CaptureDisplay {
   void OnLine(const std::string& line);
   void OnPace(const nodes::Pace& pace);
   void OnGuidance(const nodes::Guidance& guidance);
+  void OnVerdict(const nodes::Verdict& verdict);
 
   // After the run: leaves what is on the terminal there. With real time, tells where it went.
   void End(bool real_time);

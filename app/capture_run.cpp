@@ -76,6 +76,10 @@ Status Tap(Prepared& run) {
       status = run.graph->Tap<nodes::Estimate>(
           node.name + ".estimate",
           [display](const nodes::graph::Message<nodes::Estimate>& m) { display->OnEstimate(*m); });
+    if (status && node.type == "estimator")
+      status = run.graph->Tap<nodes::Verdict>(
+          node.name + ".verdict",
+          [display](const nodes::graph::Message<nodes::Verdict>& m) { display->OnVerdict(*m); });
     if (!status) return status;
   }
   return {};
@@ -146,12 +150,13 @@ Error NotThere(Error error, Start start) {
   return error;
 }
 
-// The graph of the task. A capture without estimates leaves the estimator out, and a config that
-// is wrong about it is refused nevertheless.
+// The graph of the task. A capture without estimates leaves the estimator out, unless it says when
+// there is enough; and a config that is wrong about it is refused nevertheless.
 Result<nodes::graph::Graph> MakeGraph(RunConfig& config, const rig::RigSetup& rig, CaptureGoal goal,
                                       std::shared_ptr<const nodes::CaptureWork> work) {
   auto graph = BuildGraph(config, rig, work);
-  if (!graph || goal == CaptureGoal::kEstimate || !RemoveNodes(config.graph, "estimator"))
+  if (!graph || goal == CaptureGoal::kEstimate || config.plan.until ||
+      !RemoveNodes(config.graph, "estimator"))
     return graph;
   return BuildGraph(config, rig, work);
 }
@@ -187,6 +192,8 @@ Result<Prepared> Prepare(const Task& task) {
   if (!recorder) return Forward(recorder);
   run.recorder = work->recorder = std::move(*recorder);
   work->frames = run.recorder->Missing();
+  work->session = task.folder.session();
+  if (run.config.plan.until) work->kept_entries = run.recorder->entries();
   for (const auto& [index, entry] : run.recorder->entries())
     work->kept.push_back({entry.frame.X_WC, entry.frame.X_WT});
   std::cerr << Announce(run, task.folder, work->frames, task.start) << std::endl;
@@ -267,13 +274,21 @@ int Finish(const RunFolder& folder, const BegunRun& begun,
   return ExitCodeOf(done->closure);
 }
 
+// Of a capture that goes on until the lights are known only its end says that nothing is missing.
+bool IsToRun(const Prepared& run, const RunFolder& folder) {
+  if (!run.config.plan.until) return !run.recorder->Missing().empty();
+  return !folder.complete() || !run.recorder->report().dropped.empty();
+}
+
 int Capture(const Task& task) {
   const RunFolder& folder = task.folder;
   auto run = Prepare(task);
   if (!run) return FailIn(folder, run.error());
-  if (!run->recorder->Missing().empty()) {
+  if (IsToRun(*run, folder)) {
     const int code = RunGraph(*run, folder);
     if (code != kDone) return code;
+  } else if (run->config.plan.until) {
+    // Its session is complete, with the reason why it ended.
   } else if (const Status status = run->recorder->Finish(); !status) {
     return FailIn(folder, status.error());
   }

@@ -9,6 +9,7 @@
 #include "app/exit_code.h"
 #include "app/frame_list.h"
 #include "app/session_estimate.h"
+#include "base/angles.h"
 #include "estimator/memory_need.h"
 #include "estimator/results/model_option.h"
 #include "estimator/results/words.h"
@@ -25,6 +26,7 @@ struct EstimateArguments {
   std::optional<std::size_t> pixels;
   std::string max_memory;
   std::optional<std::string> frames;
+  std::optional<double> wanted_deg;
   bool no_pictures = false;
   bool json = false;
 };
@@ -40,6 +42,8 @@ int EstimateAndPrint(const EstimateArguments& arguments) {
     if (!bytes) return Fail(bytes.error());
     options.estimate.max_memory = *bytes;
   }
+  if (arguments.wanted_deg)
+    options.estimate.wanted_direction_sigma = DegToRad(*arguments.wanted_deg);
   for (const std::string& option : arguments.model)
     if (const Status status = estimator::results::ApplyModelOption(option, options.estimate.model);
         !status)
@@ -68,6 +72,18 @@ void AddFrameChoice(CLI::App& command, EstimateArguments& arguments) {
       ->type_name("LIST");
 }
 
+void AddNextView(CLI::App& command, EstimateArguments& arguments) {
+  command.add_flag("--next-view", arguments.options.estimate.next_view,
+                   "Say which view, between those that are there or beyond them, would make the "
+                   "least known light's direction better known, and to what");
+  command
+      .add_option("--wanted-deg", arguments.wanted_deg,
+                  "With --next-view: also how many further views would make every direction known "
+                  "to so many degrees (one sigma)")
+      ->type_name("DEGREES")
+      ->check(CLI::Range(1e-6, 90.0));
+}
+
 }  // namespace
 
 void AddEstimate(CLI::App& program, Action& action) {
@@ -92,6 +108,7 @@ void AddEstimate(CLI::App& program, Action& action) {
       ->check(CLI::Range(1e-6, 1e6));
   AddFrameChoice(*command, *arguments);
   AddPixels(*command, arguments->pixels);
+  AddNextView(*command, *arguments);
   command
       ->add_option("--max-memory", arguments->max_memory,
                    "Refuse beforehand what would need more than that, and say what would fit, such "

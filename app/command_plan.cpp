@@ -34,6 +34,14 @@ std::string MotionText(const rig::CapturePlan& plan, const rig::PlanEstimate& es
          limits + "\n";
 }
 
+std::string UntilText(const rig::CapturePlan& plan) {
+  if (!plan.until) return "";
+  return Format(
+      "  until     every direction is known to %.6g\u00b0; sooner than that, or with at most "
+      "%lld keyframes more\n",
+      plan.until->direction_deg, static_cast<long long>(plan.until->most_extra));
+}
+
 std::string PlanText(const RunConfig& config, const rig::RigSetup& rig) {
   const rig::CapturePlan& plan = config.plan;
   const rig::PlanEstimate estimate =
@@ -42,7 +50,7 @@ std::string PlanText(const RunConfig& config, const rig::RigSetup& rig) {
       plan.by_hand ? "" : Format("  duration  %.3g s without repetitions\n", estimate.seconds);
   return config.name + "\n" +
          Format("  frames    %zu, %zu exposures\n", estimate.frames, estimate.exposures) +
-         MotionText(plan, estimate) + duration +
+         MotionText(plan, estimate) + UntilText(plan) + duration +
          Format("  disk      at most %.3g MB, %.3g MB a frame\n",
                 static_cast<double>(estimate.bytes) * 1e-6,
                 static_cast<double>(estimate.bytes_per_frame) * 1e-6);

@@ -62,6 +62,31 @@ Status RequireNodes(const nodes::graph::GraphConfig& graph) {
   return {};
 }
 
+// Of a capture that goes on until the lights are known: who knows them, who is told, and without a
+// loss.
+Status RequireVerdicts(const nodes::graph::GraphConfig& graph, const rig::CapturePlan& plan) {
+  if (!plan.until) return {};
+  const StrictObject section = StrictObject(*graph.document).Object("graph");
+  const auto name_of = [&](const std::string& type) {
+    const auto node = std::find_if(graph.nodes.begin(), graph.nodes.end(),
+                                   [&](const auto& n) { return n.type == type; });
+    return node->name;
+  };
+  if (const std::ptrdiff_t count = CountNodes(graph, "estimator"); count != 1)
+    return InputError(section.Where("nodes") + ": " + std::to_string(count) +
+                      " nodes of type estimator, allowed with capture/until is exactly 1");
+  const std::string from = name_of("estimator") + ".verdict";
+  for (const char* type : {"keyframes", "recorder"}) {
+    const std::string to = name_of(type) + ".verdict";
+    const bool there = std::any_of(graph.connections.begin(), graph.connections.end(),
+                                   [&](const auto& c) { return c.from == from && c.to == to; });
+    if (!there)
+      return InputError(section.Where("connections") + ": capture/until needs {from: " + from +
+                        ", to: " + to + ", policy: {keep_last: 1}}, which is missing");
+  }
+  return {};
+}
+
 // A log is good for the same capture, rig, simulation and graph; a hash of each, so that a refusal
 // can name which of them differs. The rig is what its section says and the files that it names.
 std::string HashOf(const Document& document, const std::string& rig_files,
@@ -137,6 +162,7 @@ Result<RunConfig> ParseRunConfig(const std::string& text, const std::string& fil
   config.plan.by_hand = CountNodes(config.graph, kByHand) > 0;
   Status status = RequireNodes(config.graph);
   if (status) status = ReadPlan(capture, config.plan);
+  if (status) status = RequireVerdicts(config.graph, config.plan);
   if (!status) return Forward(status);
   const auto files = ReadRigSection(origin.parent_path(), config);
   if (!files) return Forward(files);

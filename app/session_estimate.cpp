@@ -65,13 +65,16 @@ Result<WrittenEstimate> WriteEstimate(const std::filesystem::path& session,
   WrittenEstimate done;
   done.closure = estimated->closure;
   done.json = estimator::results::ResultToJson(
-      estimate, estimated->session.name, options.estimate.method, {estimated->load_s, total_s});
+      estimate, estimated->session.name, options.estimate.method, {estimated->load_s, total_s},
+      estimated->next_view ? &*estimated->next_view : nullptr);
   if (const Status status = WriteFileAtomic(out / "result.json", done.json); !status)
     return Forward(status);
-  done.summary = Summary(estimate, estimated->session.name, estimated->session.length_unit) + "\n" +
-                 (out / "result.json").string() +
-                 (pictures > 0 ? " and " + std::to_string(pictures) + " pictures beside it" : "") +
-                 " written\n";
+  done.summary =
+      Summary(estimate, estimated->session.name, estimated->session.length_unit) +
+      (estimated->next_view ? "\nnext view\n  " + estimated->next_view->words + "\n" : "") + "\n" +
+      (out / "result.json").string() +
+      (pictures > 0 ? " and " + std::to_string(pictures) + " pictures beside it" : "") +
+      " written\n";
   return done;
 }
 

@@ -78,6 +78,8 @@ std::size_t DropLights(Estimate& out) {
     const auto at = static_cast<std::ptrdiff_t>(i);
     out.lights.erase(out.lights.begin() + at);
     out.stat.lights.erase(out.stat.lights.begin() + at);
+    auto& forecasts = out.fit.directions.lights;
+    if (!forecasts.empty()) forecasts.erase(forecasts.begin() + at);
     for (uncertainty::BudgetItem& item : out.budget)
       item.sigma.lights.erase(item.sigma.lights.begin() + at);
     out.correlation = uncertainty::WithoutLight(out.correlation, i);

@@ -14,6 +14,7 @@
 #include "base/stop_flag.h"
 #include "calib/camera_model.h"
 #include "estimator/calibration_errors.h"
+#include "estimator/fit_state.h"
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/keyframe.h"
 #include "estimator/model/keyframe_source.h"
@@ -145,6 +146,7 @@ struct Estimate {
   solve::Stopped stopped = solve::Stopped::kTolerance;  // why the last solve ended
   std::vector<IterationRecord> history;
   double initial_s = 0.0, solve_s = 0.0;  // seconds, for people
+  FitState fit;                           // of methods with sigmas
 
   model::Scene ToScene() const;
 };

@@ -140,6 +140,31 @@ uncertainty::Correlation CorrelationOfAll(Eigen::MatrixXd covariance,
   return uncertainty::CorrelationOf(covariance, reported, estimate.channels);
 }
 
+// How much of a pixel's information a robust loss leaves, mean over the unknowns.
+double LossShare(const observe::Observations& all, const select::Refined& refined,
+                 const std::vector<int>& unknowns) {
+  if (!(refined.solution.evaluate.huber > 0.0) || unknowns.empty()) return 1.0;
+  solve::EvaluateOptions squares = refined.solution.evaluate;
+  squares.huber = 0.0;
+  const Eigen::VectorXd whole =
+      solve::Evaluate(all, refined.solution.scene, squares).hessian.diagonal()(unknowns);
+  const Eigen::VectorXd left = refined.solution.equations.hessian.diagonal()(unknowns);
+  return (left.array() / whole.array().max(1e-300)).mean();
+}
+
+FitState StateOf(const observe::Observations& all, const select::Refined& refined,
+                 uncertainty::DirectionForecast directions) {
+  FitState out;
+  out.scene = refined.solution.scene;
+  out.frame = observe::FrameOf(all);
+  out.kept_share = all.blocks.share;
+  out.photograph = refined.splits.photograph.has_value();
+  if (!out.photograph && !out.scene.flickers())
+    out.loss_share = LossShare(all, refined, directions.unknowns);
+  out.directions = std::move(directions);
+  return out;
+}
+
 // In white.
 double RmsOf(const observe::Observations& all, double values, double cost) {
   return all.radiance_unit * std::sqrt(2.0 * cost / values);
@@ -165,6 +190,7 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
       solution, all, order, refined.views_per_distinct, refined.splits, calibration);
   const uncertainty::Uncertainty& sigma = sigmas.total;
   out.stat = sigmas.stat;
+  out.fit = StateOf(all, refined, std::move(sigmas.forecast));
   out.budget = std::move(sigmas.budget);
   out.reflectance = reported.reflectance;
   out.reference_point = all.reference;

@@ -1,5 +1,6 @@
 #include "nodes/capture_nodes.h"
 
+#include <optional>
 #include <utility>
 
 #include "nodes/calibration_node.h"
@@ -21,6 +22,14 @@ BracketCalibration CalibrationOf(const CaptureParts& parts) {
           known.geometry};
 }
 
+std::optional<JudgeParts> JudgeOf(const CaptureParts& parts) {
+  const rig::CapturePlan& plan = parts.job.plan;
+  if (!plan.until) return std::nullopt;
+  const int depth = plan.exposures_us.size() > 1 ? CV_32F : parts.rig.camera.format.depth;
+  const BracketCalibration calibration = CalibrationOf(parts);
+  return JudgeParts{plan, calibration.geometry, {calibration.session, depth}, parts.work};
+}
+
 }  // namespace
 
 graph::NodeRegistry CaptureNodes(CaptureParts parts) {
@@ -39,9 +48,12 @@ graph::NodeRegistry CaptureNodes(CaptureParts parts) {
                [shared] { return std::make_unique<CameraNode>(shared->rig.camera.camera); });
   registry.Add("calibration",
                [shared] { return std::make_unique<CalibrationNode>(CalibrationOf(*shared)); });
-  registry.Add("recorder", [shared] { return std::make_unique<RecorderNode>(shared->work); });
-  registry.Add("estimator",
-               [shared] { return std::make_unique<EstimatorNode>(shared->rig.target.shape); });
+  registry.Add("recorder", [shared] {
+    return std::make_unique<RecorderNode>(shared->work, shared->job.plan.until.has_value());
+  });
+  registry.Add("estimator", [shared] {
+    return std::make_unique<EstimatorNode>(shared->rig.target.shape, JudgeOf(*shared));
+  });
   registry.Add("logger", [shared] {
     return std::make_unique<LoggerNode>(
         [work = shared->work](const std::string& line) { work->log_line(line); });

@@ -2,7 +2,9 @@
 // is built, and so checked, before that.
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +23,10 @@ struct CaptureWork {
   std::function<void(const std::string& line)> log_line = [](const std::string&) {};
   // Of the frames that are safe already, if the camera is carried by hand.
   std::vector<calib::RigPoses> kept;
+  // The frames that are safe already, by index, if the capture goes on until the lights are known;
+  // and the session's folder, which their paths are relative to.
+  std::map<std::size_t, rig::JournalEntry> kept_entries;
+  std::filesystem::path session;
 };
 
 }  // namespace turnlight::nodes

@@ -31,6 +31,26 @@ Status KeyframesNode::Configure(StrictObject& params) {
   return {};
 }
 
+Status KeyframesNode::Start() {
+  frames_ = work_->frames;
+  waiting_ = job_.plan.until.has_value();
+  return waiting_ ? Status() : BeginKeyframe();
+}
+
+// Who decides knows the keyframes in the order of their numbers: a verdict that comes while the
+// capture waits is the one that it waits for.
+Status KeyframesNode::OnVerdict(const graph::Message<Verdict>& verdict) {
+  if (!waiting_) return {};
+  waiting_ = false;
+  if (verdict->kind == Verdict::Kind::kEnd) {
+    RequestStop();
+    return {};
+  }
+  if (verdict->kind == Verdict::Kind::kOneMore)
+    frames_.push_back({static_cast<std::size_t>(verdict->keyframes), verdict->angle_deg});
+  return BeginKeyframe();
+}
+
 Status KeyframesNode::WindDown() {
   stopping_ = true;
   return {};
@@ -65,8 +85,8 @@ void KeyframesNode::Enter(Phase phase) {
 Status KeyframesNode::BeginKeyframe() {
   Enter(Phase::kIdle);
   failing_since_.reset();
-  if (next_ == work_->frames.size()) RequestStop();
-  if (next_ == work_->frames.size() || stopping_) return {};
+  if (next_ == frames_.size()) RequestStop();
+  if (next_ == frames_.size() || stopping_) return {};
   HoldStop();
   bracket_ = Bracket{};
   bracket_.index = Frame().index;
@@ -193,7 +213,8 @@ Status KeyframesNode::Accept() {
   pace_out_.Publish(std::exchange(pace_, Pace{}), valid_at);
   ++next_;
   ReleaseStop();
-  return BeginKeyframe();
+  waiting_ = job_.plan.until.has_value();
+  return waiting_ ? Status() : BeginKeyframe();
 }
 
 // Whether it is tried again: a device for as long as it may be lost, if that was said; all else as

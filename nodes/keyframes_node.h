@@ -2,6 +2,9 @@
 // publish. What cannot be proven is rejected and done again, a bounded number of times; then the
 // capture ends with a clear fault and every good frame kept.
 //   in       state    TableState, from the turntable
+//   in       verdict  Verdict, if the plan has `until`: before the first keyframe and after each
+//   one
+//                     is waited for, and the capture goes on, or ends, as it says
 //   action   move     Move, by the turntable
 //   action   expose   Expose, by the camera
 //   out      bracket  Bracket, with its proof
@@ -46,7 +49,7 @@ class KeyframesNode : public graph::Node {
                 std::shared_ptr<const CaptureWork> work)
       : job_(std::move(job)), radiometry_(radiometry), work_(std::move(work)) {}
   Status Configure(StrictObject& params) override;
-  Status Start() override { return BeginKeyframe(); }
+  Status Start() override;
   Status WindDown() override;
 
  private:
@@ -57,6 +60,7 @@ class KeyframesNode : public graph::Node {
   Status BeginKeyframe();
   Status BeginAttempt();
   Status OnMoved(const graph::ActionOutcome<Move>& outcome);
+  Status OnVerdict(const graph::Message<Verdict>& verdict);
   Status OnState(const graph::Message<rig::TableState>& state);
   Status OnTimer(graph::Time now);
   Status Await(Phase phase, graph::Time from);
@@ -68,11 +72,13 @@ class KeyframesNode : public graph::Node {
   bool TryAgain(ErrorKind kind);
   graph::Duration Rest() const;
   void Enter(Phase phase);
-  const rig::PlannedFrame& Frame() const { return work_->frames[next_]; }
+  const rig::PlannedFrame& Frame() const { return frames_[next_]; }
 
   graph::Clock clock_{this};
   graph::Timer timer_{this, "timer", &KeyframesNode::OnTimer};
   graph::Input<rig::TableState> state_{this, "state", &KeyframesNode::OnState};
+  graph::Input<Verdict> verdict_{this, "verdict", &KeyframesNode::OnVerdict,
+                                 graph::Need::kOptional};
   graph::ActionClient<Move> move_{this, "move", &KeyframesNode::OnMoved};
   graph::ActionClient<nodes::Expose> expose_{this, "expose", &KeyframesNode::OnExposed};
   graph::Output<Bracket> bracket_out_{this, "bracket"};
@@ -84,8 +90,10 @@ class KeyframesNode : public graph::Node {
   double still_deg_ = 0.0;
   graph::Duration retry_wait_{}, state_timeout_{}, home_timeout_{};
   std::optional<graph::Duration> lost_timeout_;
-  std::size_t next_ = 0;            // into work_->frames
-  std::optional<double> from_deg_;  // where the table stands after a good keyframe
+  std::vector<rig::PlannedFrame> frames_;  // those of work_, and what verdicts add
+  std::size_t next_ = 0;                   // into frames_
+  bool waiting_ = false;                   // for a verdict
+  std::optional<double> from_deg_;         // where the table stands after a good keyframe
   bool stopping_ = false;
   Phase phase_ = Phase::kIdle;
   graph::Time entered_{};                     // the phase

@@ -318,6 +318,26 @@ nodes::Stored Wire<nodes::Stored>::Decode(WireReader& in) {
   return {index, in.U64()};
 }
 
+void Wire<nodes::Verdict>::Encode(const nodes::Verdict& verdict, WireWriter& out) {
+  out.U8(static_cast<std::uint8_t>(verdict.kind));
+  out.U64(verdict.keyframes);
+  out.F64(verdict.angle_deg);
+  out.Text(verdict.code);
+  out.Text(verdict.words);
+}
+nodes::Verdict Wire<nodes::Verdict>::Decode(WireReader& in) {
+  nodes::Verdict verdict;
+  const std::uint8_t kind = in.U8();
+  if (kind > static_cast<std::uint8_t>(nodes::Verdict::Kind::kEnd))
+    in.Fail("a verdict of kind " + std::to_string(kind));
+  verdict.kind = static_cast<nodes::Verdict::Kind>(kind);
+  verdict.keyframes = in.U64();
+  verdict.angle_deg = in.F64();
+  verdict.code = in.Text();
+  verdict.words = in.Text();
+  return verdict;
+}
+
 void Wire<nodes::Estimate>::Encode(const nodes::Estimate& estimate, WireWriter& out) {
   out.U64(estimate.version);
   out.U64(estimate.keyframes);

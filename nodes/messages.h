@@ -125,6 +125,19 @@ struct Pace {
   double resting = 0.0;   // before repetitions
 };
 
+// What follows from the keyframes so far in a capture that goes on until the lights are known.
+struct Verdict {
+  enum class Kind : std::uint8_t {
+    kGoOn,     // with what is planned
+    kOneMore,  // at angle_deg, as keyframe number `keyframes`
+    kEnd       // of the capture
+  };
+  Kind kind = Kind::kGoOn;
+  std::uint64_t keyframes = 0;  // that it follows from: all those of a smaller index
+  double angle_deg = 0.0;       // commanded
+  std::string code, words;      // why; of kGoOn empty
+};
+
 struct LightNow {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit, in W
   double direction_sigma_deg = 0.0;
@@ -168,6 +181,7 @@ TURNLIGHT_WIRE(nodes::CameraModel, "CameraModel", 1);
 TURNLIGHT_WIRE(nodes::Keyframe, "Keyframe", 3);
 TURNLIGHT_WIRE(nodes::Stored, "Stored", 1);
 TURNLIGHT_WIRE(nodes::Pace, "Pace", 1);
+TURNLIGHT_WIRE(nodes::Verdict, "Verdict", 1);
 TURNLIGHT_WIRE(nodes::Estimate, "Estimate", 1);
 #undef TURNLIGHT_WIRE
 

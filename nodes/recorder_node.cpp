@@ -8,6 +8,7 @@ Status RecorderNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
   const Bracket& bracket = keyframe->bracket;
   rig::RecordedKeyframe record;
   record.index = bracket.index;
+  record.angle_deg = bracket.angle_deg;
   record.angle_measured_deg = bracket.angle_measured_deg;
   record.X_WC = keyframe->X_WC;
   record.X_WT = keyframe->X_WT;
@@ -27,7 +28,24 @@ Status RecorderNode::OnKeyframe(const graph::Message<Keyframe>& keyframe) {
   if (Status status = recorder->Add(record); !status) return status;
   const std::size_t missing = recorder->Missing().size();
   stored_.Publish({bracket.index, missing}, keyframe.header.valid_at);
+  if (until_) return FinishIfEnded();
   return missing == 0 ? recorder->Finish() : Status();
+}
+
+Status RecorderNode::OnVerdict(const graph::Message<Verdict>& verdict) {
+  if (!until_ || verdict->kind != Verdict::Kind::kEnd || !work_->recorder) return {};
+  end_ = *verdict;
+  return FinishIfEnded();
+}
+
+// The last keyframe may come after the verdict that follows from it.
+Status RecorderNode::FinishIfEnded() {
+  rig::SessionRecorder& recorder = *work_->recorder;
+  if (!end_) return {};
+  for (std::size_t index = 0; index < end_->keyframes; ++index)
+    if (!recorder.entries().contains(index)) return {};
+  recorder.End({end_->code, end_->words});
+  return recorder.Finish();
 }
 
 }  // namespace turnlight::nodes

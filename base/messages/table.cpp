@@ -294,9 +294,80 @@ const std::vector<Row> kCapture = {
      "again, for the angles of this capture are not to be trusted"},
 };
 
+const std::vector<Row> kNextView = {
+    {"next-view", kVerdict, "a view would make the least known direction better known",
+     "The least known direction is that of light {light}, to {sigma}\u00b0; with one more view, "
+     "{view}, the least known one would be known to {predicted}\u00b0.",
+     ""},
+    {"next-view/reachable", kVerdict, "a sigma is wanted that further views are predicted to reach",
+     "{views} would reach {wanted}\u00b0.", ""},
+    {"next-view/unreachable-floor", kVerdict,
+     "they are not, and most of the sigma does not shrink with views",
+     "{wanted}\u00b0 are out of reach: with {views} it would be {then}\u00b0, and {floor}\u00b0 of "
+     "it stay whatever is taken, most of that from {cause}:",
+     "{advice}."},
+    {"next-view/unreachable", kVerdict, "they are not, and most of the sigma is noise",
+     "{wanted}\u00b0 are out of reach of these views: with {views} it would be {then}\u00b0.",
+     "Expose longer, average pictures, or go nearer."},
+    {"next-view/floor", kVerdict,
+     "no view makes the least known direction better known, and most of its sigma does not "
+     "shrink with views",
+     "More views do not help: of the {sigma}\u00b0 to which the least known direction, that of "
+     "light {light}, is known, {floor}\u00b0 stay whatever is taken, most of that from {cause}:",
+     "{advice}."},
+    {"next-view/none", kVerdict, "no view does, or there is none to choose from",
+     "None of the views to choose from makes the least known direction, that of light {light} "
+     "with {sigma}\u00b0, better known.",
+     "Take some from other sides, or go nearer."},
+    {"next-view/no-forecast", kVerdict,
+     "the sigmas of the estimate are not those of a fit whose information adds up",
+     "What a further view would tell cannot be predicted: {why}.", ""},
+};
+
+const std::vector<Row> kUntil = {
+    {"until/early", kVerdict,
+     "before the end of the plan, every direction was known well enough in all estimates over a "
+     "quarter turn, and the lights stayed where they were",
+     "Every light's direction has been known to {wanted}\u00b0 over the last {turned}\u00b0 of the "
+     "turn:",
+     "{taken} of {planned} keyframes are enough."},
+    {"until/reached", kVerdict, "after the plan, every direction is known well enough",
+     "After {taken} keyframes, {extra} more than planned, every light's direction is known to "
+     "{wanted}\u00b0.",
+     ""},
+    {"until/one-more", kVerdict, "after the plan, a further view is predicted to help",
+     "One more keyframe, {view}: the least known direction, that of light {light}, is known to "
+     "{sigma}\u00b0, wanted are {wanted}\u00b0, and with it {predicted}\u00b0 are predicted.",
+     ""},
+    {"until/most-extra", kVerdict, "as many keyframes were added as the config allows",
+     "{extra} more keyframes were taken, as many as capture/until/most_extra allows, and the least "
+     "known direction, that of light {light}, is known to {sigma}\u00b0, not to {wanted}\u00b0:",
+     "allow more, or take a longer exposure."},
+    {"until/floor", kVerdict,
+     "what does not shrink with views is more than what is wanted, or no view helps beside it and "
+     "it is most of the sigma",
+     "After {taken} keyframes the least known direction, that of light {light}, is known to "
+     "{sigma}\u00b0, not to {wanted}\u00b0, and no number of them reaches that: {floor}\u00b0 "
+     "of it stay whatever is taken, most of that from {cause}:",
+     "{advice}."},
+    {"until/no-view", kVerdict, "no further angle is predicted to help",
+     "After {taken} keyframes the least known direction, that of light {light}, is known to "
+     "{sigma}\u00b0, not to {wanted}\u00b0, and no further angle makes it better known:",
+     "move the camera, or go nearer."},
+    {"until/no-forecast", kVerdict, "the sigmas are not those of a fit whose information adds up",
+     "After {taken} keyframes the least known direction, that of light {light}, is known to "
+     "{sigma}\u00b0, not to {wanted}\u00b0, and what a further view would tell cannot be "
+     "predicted: {why}.",
+     ""},
+    {"until/no-estimate", kVerdict, "there is no estimate of the planned keyframes",
+     "After {taken} keyframes there is no estimate by which more could be chosen:",
+     "the final estimate says why."},
+};
+
 std::vector<Row> Join() {
   std::vector<Row> all;
-  for (const auto* part : {&kTooFewPixels, &kNoLight, &kViews, &kModel, &kFrames, &kCapture})
+  for (const auto* part :
+       {&kTooFewPixels, &kNoLight, &kViews, &kModel, &kFrames, &kCapture, &kNextView, &kUntil})
     all.insert(all.end(), part->begin(), part->end());
   return all;
 }

@@ -19,15 +19,11 @@ using rig::sim::SyntheticConfig;
 using rig::sim::SyntheticSession;
 
 constexpr std::uint64_t kHardStream = (std::uint64_t{1} << 53) + 1;
-constexpr std::array kKinds{"close", "weak", "noisy", "few-pixels", "misread", "misplaced"};
+constexpr std::array kHardships{"close", "weak", "noisy", "few-pixels", "misread", "misplaced"};
 
 // A number uniform in its logarithm.
 double LogUniform(const RandomStream& random, std::uint64_t draw, double low, double high) {
   return low * std::pow(high / low, random.Uniform(draw));
-}
-
-std::vector<LightSpec>& LightsOf(SyntheticConfig& config) {
-  return std::get<std::vector<LightSpec>>(config.lights);
 }
 
 // Beside the first light, by 0.2 to 1.5 half-widths of the lobe; as far away and half as strong or
@@ -49,7 +45,7 @@ LightSpec Beside(const SyntheticConfig& config, const LightSpec& first,
 
 // What is hard about the scene itself.
 void MakeHard(const std::string& kind, const RandomStream& random, SyntheticConfig& config) {
-  std::vector<LightSpec>& lights = LightsOf(config);
+  auto& lights = std::get<std::vector<LightSpec>>(config.lights);
   if (kind == "close") lights.push_back(Beside(config, lights.front(), random));
   if (kind == "weak" && lights.size() > 1) {
     double strongest = 0.0;
@@ -81,7 +77,7 @@ void Mislead(const std::string& kind, const RandomStream& random, double radius,
   }
 }
 
-Json Measure(const std::string& kind, int scene) {
+Json MeasureHard(const std::string& kind, int scene) {
   auto config = RandomScene(static_cast<std::uint64_t>(scene));
   if (!config) return Json{{"left_out", config.error().text}};
   const RandomStream random(static_cast<std::uint64_t>(scene), kHardStream);
@@ -99,9 +95,9 @@ Json Measure(const std::string& kind, int scene) {
 std::vector<Job> HardJobs(Range scenes) {
   std::vector<Job> jobs;
   for (int i = scenes.begin; i < scenes.end; ++i) {
-    const std::string kind = kKinds[static_cast<std::size_t>(i) % kKinds.size()];
+    const std::string kind = kHardships[static_cast<std::size_t>(i) % kHardships.size()];
     jobs.push_back(
-        {Format("hard/%04d/%s", i, kind.c_str()), [kind, i] { return Measure(kind, i); }});
+        {Format("hard/%04d/%s", i, kind.c_str()), [kind, i] { return MeasureHard(kind, i); }});
   }
   return jobs;
 }

@@ -12,6 +12,7 @@
 #include "calib/camera_model.h"
 #include "estimator/baseline/paper_estimate.h"
 #include "estimator/from_session/calibration_errors.h"
+#include "estimator/from_session/candidate_views.h"
 #include "estimator/from_session/frame_doubts.h"
 #include "estimator/from_session/session_keyframe.h"
 #include "estimator/memory_need.h"
@@ -116,6 +117,8 @@ Status CheckOptions(const Options& options) {
   if (paper && options.initial)
     return InputError(
         "--initial: not with --method paper, which takes its start from the pictures");
+  if (options.wanted_direction_sigma && !options.next_view)
+    return InputError("--wanted-deg: with --next-view only, which says what it takes");
   const model::ModelChoice& model = options.model;
   if (paper && (model.lights || model.diffuse || model.specular || model.near))
     return InputError(
@@ -312,6 +315,23 @@ Result<EstimateOutput> EstimateChecked(Loaded& loaded, const Options& options, S
                   : std::move(output);
 }
 
+// Of pictures as the session's first one is; its sigmas are those of the estimate.
+Result<std::optional<ViewAdvice>> Advise(const Loaded& loaded, const Estimate& estimate,
+                                         const Options& options) {
+  if (!options.next_view) return std::optional<ViewAdvice>();
+  const rig::Session& session = *loaded.session;
+  const auto first = rig::ReadFrameImages(session, loaded.chosen.frames.front());
+  if (!first) return Forward(first);
+  NextViewOptions ask;
+  ask.wanted = options.wanted_direction_sigma;
+  ask.stop = options.stop;
+  auto advice = AdviseOrSayWhy(estimate, CandidatesOf(session, loaded.chosen.frames),
+                               loaded.geometry, calib::RayGrid(*session.camera),
+                               {session.radiometry, first->image.depth()}, ask);
+  if (!advice) return Forward(advice);
+  return std::optional(std::move(*advice));
+}
+
 // Where there is no estimate, what the pictures say may be why.
 Error WithNotes(Error error, const std::vector<rig::PictureNote>& notes) {
   if (error.kind != ErrorKind::kNoEstimate) return error;
@@ -333,15 +353,21 @@ Result<SessionEstimate> EstimateSession(const std::filesystem::path& folder,
   auto notes = rig::PictureNotes(loaded->session->radiometry, *loaded->chosen.facts);
   if (!output) return tl::unexpected(WithNotes(output.error(), notes));
   stages.End();
+  auto next_view = Advise(*loaded, output->estimate, options);
+  if (!next_view) return Forward(next_view);
   for (rig::PictureNote& note : notes)
     output->estimate.notes.push_back({std::move(note.code), std::move(note.text)});
   if (loaded->closure && !loaded->closure->closed)
     output->estimate.notes.push_back({"closure-open", loaded->closure->text});
   for (const std::string& repair : loaded->repairs)
     output->estimate.notes.push_back({"mesh-repaired", repair});
-  return SessionEstimate{
-      *loaded->session,   std::move(loaded->chosen.keyframes), std::move(loaded->geometry),
-      std::move(*output), std::move(loaded->closure),          load_s};
+  return SessionEstimate{*loaded->session,
+                         std::move(loaded->chosen.keyframes),
+                         std::move(loaded->geometry),
+                         std::move(*output),
+                         std::move(loaded->closure),
+                         std::move(*next_view),
+                         load_s};
 }
 
 }  // namespace turnlight::estimator::from_session

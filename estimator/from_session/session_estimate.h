@@ -14,6 +14,7 @@
 #include "estimator/model/initial_guess.h"
 #include "estimator/model/keyframe_source.h"
 #include "estimator/model/model_choice.h"
+#include "estimator/next_view.h"
 #include "estimator/results/words.h"
 #include "estimator/target/geometry.h"
 #include "rig/capture/closure_check.h"
@@ -45,6 +46,10 @@ struct Options {
   std::optional<double> ceiling_distance_m;    // of kPaper only; metres
 
   std::size_t most_pixels = observe::kMostPixels;  // held at a time; kFewestPixels and more
+  // Which view to take next: asked; and of how many the directions would be known to so many
+  // radians.
+  bool next_view = false;
+  std::optional<double> wanted_direction_sigma;
   // Bytes: an estimate that would need more is refused before it begins. Changes no result.
   std::optional<double> max_memory;
   // Of how many keyframes whose residual maps are made; none: no maps.
@@ -67,7 +72,8 @@ struct SessionEstimate {
   target::Geometry geometry;
   EstimateOutput output;  // with a note if the capture did not close
   std::optional<rig::ClosureCheck> closure;
-  double load_s = 0.0;  // seconds until the estimate began, for people
+  std::optional<ViewAdvice> next_view;  // if it was asked for
+  double load_s = 0.0;                  // seconds until the estimate began, for people
 };
 
 // Frames are read one after another, a few at a time. Fails with kInput (what ReadSession,

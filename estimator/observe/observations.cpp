@@ -24,19 +24,26 @@ bool AllWeighted(const std::vector<Observations>& parts) {
   });
 }
 
+float VarianceOf(const Observations& all, std::size_t i) {
+  return static_cast<float>(static_cast<double>(all.variance[i]) + all.floor_variance);
+}
+
+void SetWeightsByReference(Observations& all) {
+  const auto reference = static_cast<float>(all.reference_variance);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.pixel[i] != Observations::kNoPixel && VarianceOf(all, i) > 0.0f)
+      all.weight[i] = std::sqrt(reference / VarianceOf(all, i));
+}
+
 void SetWeights(Observations& all) {
   if (all.used == 0) return;
   const double floor = kModelFloor * BrightestRadiance(all);
-  const auto variance = [&](std::size_t i) {
-    return static_cast<float>(static_cast<double>(all.variance[i]) + floor * floor);
-  };
+  all.floor_variance = floor * floor;
   std::vector<float> variances;
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (all.pixel[i] != Observations::kNoPixel) variances.push_back(variance(i));
-  const float reference = Median(variances);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (all.pixel[i] != Observations::kNoPixel && variance(i) > 0.0f)
-      all.weight[i] = std::sqrt(reference / variance(i));
+    if (all.pixel[i] != Observations::kNoPixel) variances.push_back(VarianceOf(all, i));
+  all.reference_variance = Median(variances);
+  SetWeightsByReference(all);
 }
 
 // A part into its place from `at` on: positions about the centroid of all, keyframes after those of
@@ -81,6 +88,30 @@ void Observations::Resize(std::size_t size) {
 void Complete(Observations& observations) {
   SetRadianceUnit(observations);
   if (observations.weighted) SetWeights(observations);
+}
+
+ObservationFrame FrameOf(const Observations& observations) {
+  return {observations.reference,     observations.radius,   observations.radiance_unit,
+          observations.channels,      observations.weighted, observations.reference_variance,
+          observations.floor_variance};
+}
+
+void CompleteIn(const ObservationFrame& frame, Observations& part) {
+  const Eigen::Vector3f shift = ((part.reference - frame.reference) / frame.radius).cast<float>();
+  for (int k = 0; k < 3; ++k)
+    for (float& value : part.position[k]) value += shift[k];
+  part.reference = frame.reference;
+  for (int c = part.channels; c < frame.channels; ++c) part.radiance[c] = part.radiance[0];
+  part.channels = frame.channels;
+  part.radiance_unit = frame.radiance_unit;
+  for (int c = 0; c < part.channels; ++c)
+    for (float& value : part.radiance[c]) value *= static_cast<float>(1.0 / frame.radiance_unit);
+  if (!frame.weighted) return DropWeights(part);
+  for (float& value : part.variance)
+    value *= static_cast<float>(1.0 / (frame.radiance_unit * frame.radiance_unit));
+  part.reference_variance = frame.reference_variance;
+  part.floor_variance = frame.floor_variance;
+  SetWeightsByReference(part);
 }
 
 void DropWeights(Observations& observations) {

@@ -48,6 +48,8 @@ struct Observations {
   // residuals are in radiance still. The reference is the median pixel's.
   bool weighted = false;
   std::vector<float> variance, weight;
+  // Of weighted ones: the reference sigma's square, and what was added to every variance.
+  double reference_variance = 0.0, floor_variance = 0.0;
   // Of each pixel, bit c: its radiance in channel c is at white, so that it was this or more; the
   // residual there is one-sided in the normal equations; bit 7: it is in a highlight
   // (photograph.h). Empty: no pixel's is.
@@ -119,6 +121,19 @@ void ForEachPlane(const Body& body, First& first, Rest&... rest) {
 // Observations whose pixels are all there, with their radiances in white, get their radiance unit
 // and, if they have variances, their weights.
 void Complete(Observations& observations);
+
+// The frame of observations: what it takes to make others in the same coordinates and units.
+struct ObservationFrame {
+  Eigen::Vector3d reference = Eigen::Vector3d::Zero();
+  double radius = 1.0, radiance_unit = 1.0;
+  int channels = 3;
+  bool weighted = false;
+  double reference_variance = 0.0, floor_variance = 0.0;
+};
+ObservationFrame FrameOf(const Observations& observations);
+// One keyframe's (BuildPart), with its variances in white if the frame has weights, into that
+// frame.
+void CompleteIn(const ObservationFrame& frame, Observations& part);
 
 // All pixels weigh the same.
 void DropWeights(Observations& observations);

@@ -9,6 +9,7 @@
 #include "base/angles.h"
 #include "base/messages/messages.h"
 #include "estimator/results/correlation_json.h"
+#include "estimator/results/next_view_json.h"
 #include "estimator/results/null_notes.h"
 #include "estimator/results/scene_json.h"
 
@@ -332,7 +333,7 @@ double LobeWidthDeg(const model::Lobe& lobe) {
 }
 
 std::string ResultToJson(const Estimate& estimate, const std::string& session_name, Method method,
-                         const RunTimes& times) {
+                         const RunTimes& times, const ViewAdvice* next_view) {
   ordered_json json;
   json["format"] = "turnlight-result";
   json["version"] = 1;
@@ -364,6 +365,7 @@ std::string ResultToJson(const Estimate& estimate, const std::string& session_na
     json[ordered_json::json_pointer("/" + key)] = nullptr;
   // What the factors are of.
   if (estimate.ToScene().flickers() && !estimate.frames.empty()) json["frames"] = estimate.frames;
+  if (next_view != nullptr) json["next_view"] = NextViewToJson(*next_view);
   json["views"] = estimate.views;
   json["distinct_views"] = estimate.distinct_views;
   json["iterations"] = estimate.iterations;

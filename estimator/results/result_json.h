@@ -10,6 +10,7 @@
 #include <string>
 
 #include "estimator/estimate.h"
+#include "estimator/next_view.h"
 #include "estimator/results/words.h"
 
 namespace turnlight::estimator::results {
@@ -23,10 +24,10 @@ struct RunTimes {
 // The file's text. Keys in the design's order; numbers read back to the same bits. What the data do
 // not determine is null (Estimate::undetermined), and a note says why. `color` stands in a light
 // only if it is not white, `roughness_deg` in the reflectance only for Oren-Nayar.
-// "x-residual-history", of Method::kPaper only: the residual's rms at the start and after every
-// iteration.
+// "next_view" if it was asked for. "x-residual-history", of Method::kPaper only: the residual's rms
+// at the start and after every iteration.
 std::string ResultToJson(const Estimate& estimate, const std::string& session_name, Method method,
-                         const RunTimes& times);
+                         const RunTimes& times, const ViewAdvice* next_view = nullptr);
 
 // The full width at half maximum of the highlight in degrees, in the angle between the mirror
 // direction and the viewer. About the normal a lobe turns half as fast, hence it is twice as wide.

@@ -1,6 +1,5 @@
 #include "estimator/uncertainty/uncertainty.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -11,7 +10,6 @@
 #include "estimator/solve/coordinates.h"
 #include "estimator/solve/evaluate_options.h"
 #include "estimator/solve/frame_factors.h"
-#include "estimator/solve/unit_diagonal.h"
 #include "estimator/uncertainty/quantities.h"
 #include "estimator/uncertainty/uncertainty_parts.h"
 
@@ -19,10 +17,6 @@ namespace turnlight::estimator::uncertainty {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-// Eigenvalues of the column-scaled matrix below this share of the largest are rounding: the data
-// say nothing about that direction.
-constexpr double kNullShare = 1e-11;
-constexpr double kWeakShare = 1e-7;
 
 // Of a lobe without strength, which is nowhere in the pictures: its shape and F0 change nothing.
 bool IsNowhere(const model::Parameter& parameter, const model::Scene& scene) {
@@ -57,58 +51,36 @@ std::string NameOf(const Eigen::VectorXd& direction, const std::vector<int>& unk
 
 // What is known of a parameter beside the pictures, as one over a variance: of a distance within
 // bounds that of a uniform distribution.
-double InformationOf(const model::Parameter& parameter, const model::Scene& scene) {
+double KnownBeside(const model::Parameter& parameter, const model::Scene& scene) {
   if (parameter.kind != model::ParameterKind::kInverseDistance || !scene.distance.known())
     return 0.0;
   const model::ParameterLimits limits = model::LimitsOf(parameter, scene);
   return 12.0 / std::pow(limits.high - limits.low, 2);
 }
 
+// J^T W J, and what is known beside, in units of one over the variance of a value.
+Eigen::MatrixXd InformationOver(const std::vector<int>& unknowns, const solve::Solution& solution,
+                                const model::Parameters& parameters, double variance) {
+  Eigen::MatrixXd out = solution.equations.hessian(unknowns, unknowns);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    out(at, at) += variance * KnownBeside(parameters[unknowns[i]], solution.scene);
+  }
+  return out;
+}
+
 Covariance Invert(const solve::Solution& solution, const observe::Observations& observations,
                   const model::Parameters& parameters, double views_per_distinct) {
-  Covariance out;
-  out.unknowns = Unknowns(solution, parameters);
-  const auto n = static_cast<Eigen::Index>(out.unknowns.size());
-  Eigen::VectorXd scale(n);
+  const std::vector<int> unknowns = Unknowns(solution, parameters);
   const double values = solve::ValueCount(observations, solution.evaluate);
   const double factors = solution.equations.factors ? solution.equations.factors->count() : 0.0;
   const double variance = views_per_distinct * 2.0 * solution.equations.cost /
-                          std::max(values - static_cast<double>(n) - factors, 1.0);
-  out.variance = variance;
-  Eigen::MatrixXd hessian = solution.equations.hessian(out.unknowns, out.unknowns);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const model::Parameter& of = parameters[out.unknowns[static_cast<std::size_t>(i)]];
-    hessian(i, i) += variance * InformationOf(of, solution.scene);
-    scale[i] = std::sqrt(std::max(hessian(i, i), 0.0));
-  }
-  out.undetermined.assign(static_cast<std::size_t>(n), false);
-  out.matrix = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd scaled(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double s = scale[i] * scale[j];
-      scaled(i, j) = s > 0.0 ? hessian(i, j) / s : 0.0;
-    }
-  if (n == 0) return out;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
-  double smallest = largest;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const double value = eigen.eigenvalues()[k];
-    const Eigen::VectorXd vector = eigen.eigenvectors().col(k);
-    if (value < kWeakShare * largest)
-      out.weak.push_back(NameOf(vector, out.unknowns, parameters, solution.scene));
-    if (!(value > kNullShare * largest)) {
-      for (Eigen::Index i = 0; i < n; ++i)
-        if (std::abs(vector[i]) > 1e-3) out.undetermined[static_cast<std::size_t>(i)] = true;
-      continue;
-    }
-    smallest = std::min(smallest, value);
-    out.matrix += variance / value * (vector * vector.transpose());
-  }
-  out.condition = largest / smallest;
-  const Eigen::VectorXd inverse = solve::InverseOrZero(scale);
-  out.matrix = inverse.asDiagonal() * out.matrix * inverse.asDiagonal();
+                          std::max(values - static_cast<double>(unknowns.size()) - factors, 1.0);
+  Covariance out =
+      InvertInformation(InformationOver(unknowns, solution, parameters, variance), variance);
+  for (const Eigen::VectorXd& direction : out.weak_directions)
+    out.weak.push_back(NameOf(direction, unknowns, parameters, solution.scene));
+  out.unknowns = unknowns;
   return out;
 }
 
@@ -197,6 +169,29 @@ std::vector<std::vector<double>> FactorSigmas(const solve::Solution& solution,
   return out;
 }
 
+// stat, model: covariances of the reported quantities, the calibration's share in the latter.
+DirectionForecast ForecastOf(const solve::Solution& solution, const model::Parameters& parameters,
+                             const Covariance& covariance, const Propagation& reported,
+                             const Eigen::MatrixXd& stat, const Eigen::MatrixXd& model,
+                             std::size_t lights) {
+  DirectionForecast out;
+  out.unknowns = covariance.unknowns;
+  out.variance = covariance.variance;
+  out.hessian = InformationOver(out.unknowns, solution, parameters, out.variance);
+  for (std::size_t l = 0; l < lights; ++l) {
+    const Eigen::Index at = At(OfLight::kDirection, l);
+    DirectionForecast::Light light;
+    light.jacobian = reported.jacobian.middleRows<2>(at);
+    const Eigen::Matrix2d plain = light.jacobian * covariance.matrix * light.jacobian.transpose();
+    for (Eigen::Index axis = 0; axis < 2; ++axis)
+      light.inflation[axis] =
+          plain(axis, axis) > 0.0 ? std::sqrt(stat(at + axis, at + axis) / plain(axis, axis)) : 1.0;
+    light.floor = model.block<2, 2>(at, at);
+    out.lights.push_back(std::move(light));
+  }
+  return out;
+}
+
 // Items of nothing at all are left out.
 std::vector<BudgetItem> BudgetOf(const std::vector<Part>& items, const Eigen::MatrixXd& total,
                                  const std::vector<bool>& undetermined, std::size_t lights) {
@@ -246,7 +241,9 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
                     WithoutUndetermined(total, reported.undetermined),
                     Unflatten(of_calibration, reported.undetermined, order.size()),
                     BudgetOf(items, total, reported.undetermined, order.size()),
-                    FactorSigmas(solution, order, covariance)};
+                    FactorSigmas(solution, order, covariance),
+                    ForecastOf(solution, parameters, covariance, reported, parts.stat,
+                               total - parts.stat, order.size())};
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;

@@ -10,6 +10,7 @@
 #include "estimator/observe/observations.h"
 #include "estimator/solve/solver.h"
 #include "estimator/uncertainty/budget.h"
+#include "estimator/uncertainty/direction_forecast.h"
 #include "estimator/uncertainty/reported.h"
 #include "estimator/uncertainty/residual_splits.h"
 
@@ -63,6 +64,7 @@ struct Uncertainties {
   // Statistical, of the lights' factors in each keyframe, in the order of the lights; none of
   // lights that are constant.
   std::vector<std::vector<double>> factors;
+  DirectionForecast forecast;  // lights in the order of the others
 };
 
 // Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and

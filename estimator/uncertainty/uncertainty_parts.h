@@ -10,20 +10,10 @@
 #include "estimator/model/parameters.h"
 #include "estimator/solve/solver.h"
 #include "estimator/uncertainty/budget.h"
+#include "estimator/uncertainty/covariance.h"
 #include "estimator/uncertainty/residual_splits.h"
 
 namespace turnlight::estimator::uncertainty {
-
-// The inverse of the information matrix over the unknowns, without the directions in which it is
-// singular.
-struct Covariance {
-  std::vector<int> unknowns;       // columns that are not held
-  Eigen::MatrixXd matrix;          // over the unknowns
-  std::vector<bool> undetermined;  // per unknown: it has a part in a singular direction
-  double condition = 0.0;
-  std::vector<std::string> weak;
-  double variance = 0.0;  // of a value; matrix is this times H^-1
-};
 
 // Propagation of errors: derivatives of the reported quantities by the unknowns.
 struct Propagation {

@@ -96,6 +96,20 @@ std::optional<PlanProblem> CheckByHand(const CapturePlan& plan) {
   return CheckBounds({"step_deg", plan.step_deg, 0.0, 180.0, true});
 }
 
+std::optional<PlanProblem> CheckUntil(const CapturePlan& plan) {
+  if (!plan.until) return std::nullopt;
+  const UntilDirections& until = *plan.until;
+  for (const Bounds& bounds :
+       {Bounds{"until/direction_deg", until.direction_deg, 0.0, 45.0, true},
+        Bounds{"until/most_extra", static_cast<double>(until.most_extra), 0.0, 1000.0}})
+    if (auto problem = CheckBounds(bounds)) return problem;
+  if (plan.closure)
+    return PlanProblem{"until",
+                       "beside closure: true, whose frame is the last one that is planned; allowed "
+                       "is one of the two"};
+  return std::nullopt;
+}
+
 // What only the whole plan shows.
 std::optional<PlanProblem> CheckTogether(const CapturePlan& plan) {
   if (plan.tolerance_deg * 2.0 >= plan.step_deg)
@@ -108,6 +122,7 @@ std::optional<PlanProblem> CheckTogether(const CapturePlan& plan) {
                                       " keyframes is at the start already, " +
                                       NumberText(ToDegrees(Swept(plan)), kDigits) +
                                       " deg later; allowed is one keyframe less, or false"};
+  if (auto problem = CheckUntil(plan)) return problem;
   if (!plan.limits) return std::nullopt;
   const AngleLimits& limits = *plan.limits;
   const auto range = EstimatePlan(plan, {}, {}).range;
@@ -174,6 +189,18 @@ Result<CapturePlan> ReadRest(StrictObject& object, CapturePlan plan) {
 
 }  // namespace
 
+namespace {
+
+Result<UntilDirections> ReadUntil(StrictObject object) {
+  UntilDirections until;
+  until.direction_deg = object.Number("direction_deg", {.max = 45.0, .above = 0.0});
+  until.most_extra = object.OptionalInteger("most_extra", 0, 1000).value_or(until.most_extra);
+  if (const Status status = object.Finish(); !status) return Forward(status);
+  return until;
+}
+
+}  // namespace
+
 Result<CapturePlan> ParsePlanByHand(StrictObject object) {
   CapturePlan plan;
   plan.by_hand = true;
@@ -197,6 +224,11 @@ Result<CapturePlan> ParseCapturePlan(StrictObject object) {
     plan.approach = Approach::kDirect;
   if (const auto limits = object.OptionalNumbers("limits_deg", 2))
     plan.limits = AngleLimits{(*limits)[0], (*limits)[1]};
+  if (auto until = object.OptionalObject("until")) {
+    auto read = ReadUntil(std::move(*until));
+    if (!read) return Forward(read);
+    plan.until = *read;
+  }
   return ReadRest(object, plan);
 }
 
@@ -217,6 +249,28 @@ std::vector<PlannedFrame> PlannedFrames(const CapturePlan& plan) {
     frames.push_back({frames.size(), ToDegrees(start + Sign(plan) * turns * kTurn), true});
   }
   return frames;
+}
+
+std::vector<double> ExtraAngles(const CapturePlan& plan, const std::vector<double>& taken_deg) {
+  const std::int64_t start = ToMicro(plan.start_deg), step = ToMicro(plan.step_deg);
+  const std::int64_t tolerance = ToMicro(plan.tolerance_deg);
+  std::vector<double> all;
+  for (std::int64_t quarter = 1; quarter * step < 4 * kTurn; ++quarter) {
+    const double angle_deg = ToDegrees(start + Sign(plan) * (quarter * step / 4));
+    const bool allowed =
+        std::ranges::all_of(MoveLegs(plan, std::nullopt, angle_deg), [&](double leg) {
+          return !plan.limits || (leg >= plan.limits->min_deg && leg <= plan.limits->max_deg);
+        });
+    const bool there = std::ranges::any_of(taken_deg, [&](double taken) {
+      const std::int64_t apart = std::abs(ToMicro(taken) - ToMicro(angle_deg)) % kTurn;
+      return std::min(apart, kTurn - apart) <= tolerance;
+    });
+    if (allowed && !there) all.push_back(angle_deg);
+  }
+  const std::size_t count = std::min(all.size(), kMostExtraAngles);
+  std::vector<double> out;
+  for (std::size_t i = 0; i < count; ++i) out.push_back(all[i * all.size() / count]);
+  return out;
 }
 
 std::vector<double> MoveLegs(const CapturePlan& plan, std::optional<double> from_deg,

@@ -30,6 +30,13 @@ struct AngleLimits {
   double max_deg = 0.0;
 };
 
+// A capture that goes on until the lights' directions are known: it may stop before the end of the
+// plan, and adds keyframes after it.
+struct UntilDirections {
+  double direction_deg = 0.05;   // sigma of every light's direction; above 0, at most 45
+  std::int64_t most_extra = 12;  // keyframes beyond count, 0..1000
+};
+
 struct CapturePlan {
   // No table: step_deg is the least view change from one keyframe to any other, at most 180, and
   // there is one exposure and no closure.
@@ -50,7 +57,8 @@ struct CapturePlan {
   double tolerance_deg = 0.05;   // |measured - commanded| of an arrival, above 0, at most 5
   double move_timeout_s = 60.0;  // of one leg, above 0, at most 3600
   double frame_timeout_s = 5.0;  // from trigger to frame, besides the exposure; above 0, max 3600
-  std::optional<AngleLimits> limits;  // of the table: what may be commanded
+  std::optional<AngleLimits> limits;     // of the table: what may be commanded
+  std::optional<UntilDirections> until;  // not with closure, whose frame is the last of the plan
 };
 
 // Everything that must hold. Gives the first thing that is wrong: its key, such as "step_deg", and
@@ -64,7 +72,8 @@ std::optional<PlanProblem> Validate(const CapturePlan& plan);
 
 // Reads and validates. Keys, all optional: start_deg, step_deg, count, direction (ccw, cw),
 // approach (one-sided, direct), backlash_deg, settle_ms, exposures_us (a list), gain_db, retries,
-// closure (true, false), tolerance_deg, move_timeout_s, frame_timeout_s, limits_deg ([min, max]).
+// closure (true, false), tolerance_deg, move_timeout_s, frame_timeout_s, limits_deg ([min, max]),
+// until ({direction_deg, most_extra}; the first is not optional).
 // Messages name file, line and key.
 Result<CapturePlan> ParseCapturePlan(StrictObject object);
 // Of a camera that is carried by hand: step_deg, count, exposures_us (a list of one), gain_db,
@@ -84,6 +93,13 @@ struct PlannedFrame {
 std::string Label(const PlannedFrame& planned);
 // In order of capture. plan must be valid, here and below.
 std::vector<PlannedFrame> PlannedFrames(const CapturePlan& plan);
+
+inline constexpr std::size_t kMostExtraAngles = 120;
+// Where a further keyframe could be taken: a quarter, half and three quarters of a step after each
+// angle of the plan, and on in quarter steps where the plan ends before the turn is whole; within
+// the limits, and not where one is already (in whole turns, by tolerance_deg). Of more than
+// kMostExtraAngles they are spread evenly.
+std::vector<double> ExtraAngles(const CapturePlan& plan, const std::vector<double>& taken_deg);
 
 // The angles to command, one after the other, to arrive at angle_deg from from_deg: one leg if it
 // goes the plan's way far enough (or the approach is direct), else first to the point backlash_deg

@@ -78,6 +78,7 @@ JournalHeader MakeHeader(const CaptureSetup& setup) {
   header.camera_identity = setup.camera_identity;
   header.table_identity = setup.table_identity;
   header.by_hand = setup.plan.by_hand;
+  if (setup.plan.until) header.most_extra = static_cast<std::size_t>(setup.plan.until->most_extra);
   for (const PlannedFrame& planned : PlannedFrames(setup.plan)) {
     if (planned.closure)
       header.closure_deg = planned.angle_deg;

@@ -28,7 +28,9 @@ std::string ShowMegabytes(std::uint64_t bytes) {
 std::string StemOf(const CaptureSetup& setup, const PlannedFrame& planned) {
   const std::string stem = std::string(kFrames) + "/";
   if (planned.closure) return stem + "closure";
-  const std::size_t digits = std::max<std::size_t>(3, std::to_string(setup.plan.count - 1).size());
+  const std::int64_t extra = setup.plan.until ? setup.plan.until->most_extra : 0;
+  const std::size_t digits =
+      std::max<std::size_t>(3, std::to_string(setup.plan.count + extra - 1).size());
   const std::string number = std::to_string(planned.index);
   return stem + std::string(digits - number.size(), '0') + number;
 }
@@ -195,6 +197,9 @@ Status SessionRecorder::Recover() {
     if (problems.empty()) entries_.emplace(entry.index, entry);
   }
   report_.kept = entries_.size();
+  std::error_code code;
+  if (setup_.plan.until && report_.dropped.empty() && fs::exists(root_ / kSessionFile, code))
+    ended_.emplace();
   if (journal->text != PrintJournal(header_, entries_)) {
     const Status status =
         WriteFileAtomic(root_ / kJournalFile, PrintJournal(header_, entries_), *ops_);
@@ -231,6 +236,7 @@ Status SessionRecorder::Begin(const RunProvenance& run, bool resume) {
 
 std::vector<PlannedFrame> SessionRecorder::Missing() const {
   std::vector<PlannedFrame> missing;
+  if (ended_) return missing;
   std::copy_if(planned_.begin(), planned_.end(), std::back_inserter(missing),
                [this](const PlannedFrame& planned) { return !entries_.contains(planned.index); });
   return missing;
@@ -253,13 +259,21 @@ Status SessionRecorder::CheckSpaceForMissing() const {
                     std::to_string(missing) + " frames");
 }
 
+std::optional<PlannedFrame> SessionRecorder::Expected(const RecordedKeyframe& keyframe) const {
+  if (entries_.contains(keyframe.index)) return std::nullopt;
+  if (keyframe.index < planned_.size()) return planned_[keyframe.index];
+  if (keyframe.index >= planned_.size() + header_.most_extra) return std::nullopt;
+  return PlannedFrame{keyframe.index, keyframe.angle_deg};
+}
+
 Status SessionRecorder::Add(const RecordedKeyframe& keyframe) {
   if (broken_) return tl::unexpected<Error>(*broken_);
-  if (keyframe.index >= planned_.size() || entries_.contains(keyframe.index) || !journal_)
+  const std::optional<PlannedFrame> expected = Expected(keyframe);
+  if (!expected || !journal_)
     return InputError("frame " + std::to_string(keyframe.index) +
                       ": not wanted, allowed is one that is still missing, of " +
                       std::to_string(planned_.size()));
-  const PlannedFrame& planned = planned_[keyframe.index];
+  const PlannedFrame& planned = *expected;
   const std::string label = Label(planned);
   if (const Status status = CheckKeyframe(keyframe, setup_, label); !status) return status;
   JournalEntry entry = MakeEntry(keyframe, planned, setup_);
@@ -321,8 +335,11 @@ Status SessionRecorder::WriteSessionFiles() {
       SessionRadiometry(setup_.radiometry, setup_.plan.exposures_us, setup_.plan.gain_db);
   session.bayer = setup_.bayer;
   session.target = SessionTarget(setup_);
-  for (const PlannedFrame& planned : planned_)
-    if (!planned.closure) session.frames.push_back(entries_.at(planned.index).frame);
+  session.ended = ended_;
+  const std::size_t closure =
+      header_.closure_deg ? planned_.size() - 1 : entries_.rbegin()->first + 1;
+  for (const auto& [index, entry] : entries_)
+    if (index != closure) session.frames.push_back(entry.frame);
   return WriteSession(session, root_, *ops_);
 }
 

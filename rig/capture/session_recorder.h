@@ -43,6 +43,7 @@ namespace turnlight::rig {
 // One keyframe, as it goes into the session.
 struct RecordedKeyframe {
   std::size_t index = 0;            // of PlannedFrames
+  double angle_deg = 0.0;           // commanded; of extra keyframes, for the others are planned
   double angle_measured_deg = 0.0;  // unused if it was taken by hand
   calib::Pose X_WC, X_WT;
   cv::Mat image;             // MergedFrame::image: raw DN, or CV_32F of a bracket
@@ -76,14 +77,18 @@ class SessionRecorder {
                                         const CaptureSetup& setup, const RunProvenance& run,
                                         FileOps& ops = SystemFileOps());
 
-  // Frames of the plan that are not safe on disk yet, in order of capture.
+  // Frames of the plan that are not safe on disk yet, in order of capture; none once it ended.
   std::vector<PlannedFrame> Missing() const;
   const ResumeReport& report() const { return report_; }
   // What is safe on disk, by index.
   const std::map<std::size_t, JournalEntry>& entries() const { return entries_; }
   const std::filesystem::path& root() const { return root_; }
 
-  // The frame is safe on disk when this returns success. Fails (kInput): an index that is not
+  // A capture with plan.until ends here: no further frame is wanted. session.json says why.
+  void End(const CaptureEnd& end) { ended_ = end; }
+
+  // The frame is safe on disk when this returns success. With plan.until the index may be one of
+  // plan.until->most_extra beyond the planned ones, too. Fails (kInput): an index that is not
   // missing, a picture of another size or kind than the setup's, a validity map without a pixel, a
   // pose that is none: nothing was written, Add may go on. Fails (kSystem): too little space:
   // nothing was written, Add may go on; the disk: the text says what, where, how much is free, how
@@ -103,6 +108,8 @@ class SessionRecorder {
   Status Begin(const RunProvenance& run, bool resume);
   Status CheckSpace(std::uint64_t bytes, const std::string& what) const;
   Status CheckSpaceForMissing() const;
+  // The frame that index stands for, if it is one that may come.
+  std::optional<PlannedFrame> Expected(const RecordedKeyframe& keyframe) const;
   Status WriteSessionFiles();
   Status Break(const Status& status);
 
@@ -112,6 +119,7 @@ class SessionRecorder {
   std::vector<PlannedFrame> planned_;
   JournalHeader header_;
   std::map<std::size_t, JournalEntry> entries_;
+  std::optional<CaptureEnd> ended_;
   ResumeReport report_;
   std::optional<LockFile> lock_;
   std::optional<AppendFile> journal_, provenance_;

@@ -87,6 +87,8 @@ Result<JournalHeader> ParseHeader(std::string_view record, const std::string& wh
   header.angles_deg = Angles(object);
   header.closure_deg = object.OptionalNumber("closure_deg");
   header.by_hand = object.OptionalBoolean("by_hand").value_or(false);
+  header.most_extra =
+      static_cast<std::size_t>(object.OptionalInteger("most_extra", 0, 1000).value_or(0));
   if (const Status status = object.Finish(); !status) return Forward(status);
   return header;
 }
@@ -96,7 +98,8 @@ Result<JournalEntry> ParseEntry(std::string_view record, const std::string& wher
   const auto document = ParseJson(record, where);
   if (!document) return Forward(document);
   StrictObject object(*document);
-  const std::size_t frames = header.angles_deg.size() + (header.closure_deg ? 1 : 0);
+  const std::size_t frames =
+      header.angles_deg.size() + (header.closure_deg ? 1 : header.most_extra);
   JournalEntry entry;
   entry.index =
       static_cast<std::size_t>(object.Integer("index", 0, static_cast<std::int64_t>(frames) - 1));
@@ -144,6 +147,7 @@ std::string PrintJournalLine(const JournalHeader& header) {
   record["angles_deg"] = header.angles_deg;
   if (header.closure_deg) record["closure_deg"] = *header.closure_deg;
   if (header.by_hand) record["by_hand"] = true;
+  if (header.most_extra > 0) record["most_extra"] = header.most_extra;
   return Frame(record);
 }
 
@@ -202,7 +206,7 @@ std::vector<std::string> EntryProblems(const fs::path& root, const JournalEntry&
 
 std::string EntryLabel(const JournalHeader& header, std::size_t index) {
   const bool closure = index >= header.angles_deg.size();
-  if (header.by_hand) return FrameLabel(index, std::nullopt);
+  if (header.by_hand || (closure && !header.closure_deg)) return FrameLabel(index, std::nullopt);
   return FrameLabel(index, closure ? header.closure_deg : header.angles_deg[index], closure);
 }
 

@@ -27,11 +27,13 @@ struct JournalHeader {
   std::vector<double> angles_deg;               // commanded, in order of capture
   bool by_hand = false;  // the camera was carried: the angles are as many as frames, and all 0
   std::optional<double> closure_deg;
+  std::size_t most_extra = 0;  // frames that may come beyond those; not with a closure frame
 };
 
 struct JournalEntry {
-  std::size_t index = 0;  // into angles_deg; angles_deg.size() is the closure frame
-  FrameRecord frame;      // as session.json will have it; sha256 is always there
+  std::size_t index =
+      0;  // into angles_deg; from angles_deg.size() on: the closure frame, or extra ones
+  FrameRecord frame;  // as session.json will have it; sha256 is always there
   std::optional<std::string> validity_sha256;
 };
 

@@ -46,6 +46,12 @@ struct CalibrationFile {
   std::string sha256;
 };
 
+// Why a capture ended where it did, if that was not the end of its plan.
+struct CaptureEnd {
+  std::string code;   // stable, such as "early"
+  std::string words;  // for people
+};
+
 struct Session {
   std::string name;
   std::string length_unit;  // "mm", "m", ...: any word without spaces
@@ -55,6 +61,7 @@ struct Session {
   std::optional<std::string> bayer;
   Target target;
   std::vector<FrameRecord> frames;
+  std::optional<CaptureEnd> ended;  // written for people and tools; reading passes over it
 
   std::filesystem::path root;                // where it was read from
   std::optional<calib::CameraModel> camera;  // always set by ReadSession

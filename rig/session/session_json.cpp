@@ -196,7 +196,11 @@ std::string PrintSession(const Session& session) {
   text += key("target", PrintTarget(session.target)) + ",\n \"frames\": [";
   for (std::size_t i = 0; i < session.frames.size(); ++i)
     text += (i == 0 ? "\n  " : ",\n  ") + PrintFrame(session.frames[i]).dump();
-  return text + "\n ]\n}\n";
+  text += "\n ]";
+  if (session.ended)
+    text += ",\n" + key("x-ended", ordered_json{{"code", session.ended->code},
+                                                {"words", session.ended->words}});
+  return text + "\n}\n";
 }
 
 std::string FrameLabel(std::size_t index, std::optional<double> angle_deg, bool closure) {

@@ -105,8 +105,8 @@ nodes::graph::Graph BuildLoop(const RigLoopOptions& options, rig::RigSetup rig,
       "}\n    camera: {type: camera, params: {poll_ms: 2}}\n    logger: {type: logger}\n" +
       kConnections;
   auto config = Expect(nodes::graph::ParseGraphConfig(text, "loop.yaml"));
-  const auto work = std::make_shared<const nodes::CaptureWork>(
-      nodes::CaptureWork{rig::PlannedFrames(options.plan), nullptr, std::move(log_line), {}});
+  const auto work = std::make_shared<const nodes::CaptureWork>(nodes::CaptureWork{
+      rig::PlannedFrames(options.plan), nullptr, std::move(log_line), {}, {}, {}});
   nodes::KeyframesJob job;
   job.plan = options.plan;
   job.check_arrival = options.check_arrival;

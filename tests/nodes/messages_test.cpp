@@ -67,6 +67,7 @@ TEST(Messages, ComeBackAsTheyWere) {
   ExpectSameBytesAgain(keyframe);
   ExpectSameBytesAgain(Pace{1.0, 2.0, 3.0, 4.0, 5.0});
   ExpectSameBytesAgain(Estimate{3, 12, {LightNow{}, LightNow{}}, 0.01});
+  ExpectSameBytesAgain(Verdict{Verdict::Kind::kOneMore, 36, 122.5, "", "One more."});
   ExpectSameBytesAgain(MoveGoal{{358.0, 360.0}, rig::DeviceTime(7)});
   ExpectSameBytesAgain(ExposeResult{bracket.exposures[0], "why"});
 }

@@ -205,6 +205,8 @@ MockRigRun RunMockRig(const MockRigOptions& options) {
       CaptureWork{recorder ? recorder->Missing() : rig::PlannedFrames(options.plan),
                   recorder,
                   [&run](const std::string& line) { run.lines.push_back(line); },
+                  {},
+                  {},
                   {}});
   auto config = Expect(graph::ParseGraphConfig(GraphText(options), "mock_rig.yaml"));
   auto graph = Expect(graph::Graph::Build(

@@ -120,6 +120,37 @@ TEST(Observations, PartsBuiltAloneAreTheWhole) {
   EXPECT_LT(worst, 1e-6);
 }
 
+// One keyframe's part put into the frame of all is that keyframe in all: with and without weights,
+// and with radiances far from white.
+TEST(Observations, APartInTheFrameOfAllIsItsKeyframe) {
+  for (const float level : {1.0f, 1e-3f})
+    for (const bool weighted : {false, true}) {
+      Built built(FloatPictures(3));
+      for (model::Keyframe& keyframe : built.keyframes) {
+        keyframe.image.radiance *= level;
+        if (!weighted) continue;
+        cv::Mat grey;
+        cv::transform(keyframe.image.radiance, grey, cv::Matx13f(0.01f, 0.01f, 0.01f));
+        keyframe.image.variance = level * grey;
+      }
+      const Observations all = BuildObservations(built.keyframes, built.geometry, built.rays);
+      ASSERT_EQ(all.weighted, weighted);
+      Observations part = BuildPart(built.keyframes[1], built.geometry, built.rays);
+      CompleteIn(FrameOf(all), part);
+      EXPECT_EQ(part.radiance_unit, all.radiance_unit);
+      EXPECT_EQ(part.channels, all.channels);
+      const std::size_t first = all.tile_begin[1] * kTile;
+      ASSERT_EQ(part.size(), all.tile_begin[2] * kTile - first);
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        if (part.pixel[i] == Observations::kNoPixel) continue;
+        ASSERT_EQ(part.pixel[i], all.pixel[first + i]);
+        ASSERT_EQ(part.radiance[1][i], all.radiance[1][first + i]);
+        ASSERT_LT((At(part.position, i) - At(all.position, first + i)).norm(), 1e-6);
+        ASSERT_NEAR(part.WeightOf(i), all.WeightOf(first + i), 1e-6);
+      }
+    }
+}
+
 TEST(Observations, SamplesHaveTheSizeAskedFor) {
   const Built built(FloatPictures(2));
   const Observations all = BuildObservations(built.keyframes, built.geometry, built.rays);

@@ -131,9 +131,11 @@ TEST(ModelOption, ARefusedKeyNamesTheNearestAndWhatIsAllowed) {
   EXPECT_THAT(Refusal("lights_are=near"), HasSubstr("did you mean \"lights-are\"?"));
   EXPECT_THAT(Refusal("colour=free"), HasSubstr("did you mean \"color\"?"));
   EXPECT_THAT(Refusal("color=red"), HasSubstr("allowed are free, white"));
-  EXPECT_THAT(Refusal("weight=2"),
-              AllOf(HasSubstr("unknown key \"weight\""), Not(HasSubstr("did you mean")),
-                    HasSubstr("allowed are lights, diffuse, specular, lobes, lights-are, distance, color")));
+  EXPECT_THAT(
+      Refusal("weight=2"),
+      AllOf(
+          HasSubstr("unknown key \"weight\""), Not(HasSubstr("did you mean")),
+          HasSubstr("allowed are lights, diffuse, specular, lobes, lights-are, distance, color")));
   EXPECT_THAT(Refusal(""), HasSubstr("unknown key \"\""));
 }
 

@@ -210,5 +210,37 @@ TEST(CapturePlan, RefusalsNameLineKeyAndValue) {
   EXPECT_THAT(Refusal("setle_ms: 3"), HasSubstr("setle_ms"));
 }
 
+TEST(CapturePlan, UntilIsReadAndRefusedByKey) {
+  const auto plan = Parse("until: {direction_deg: 0.05}\n");
+  ASSERT_TRUE(plan) << plan.error().text;
+  EXPECT_EQ(plan->until->direction_deg, 0.05);
+  EXPECT_EQ(plan->until->most_extra, 12);
+  EXPECT_FALSE(Parse("{}")->until.has_value());
+  EXPECT_THAT(Refusal("until: {direction_deg: 50}\n"), HasSubstr("direction_deg"));
+  EXPECT_THAT(Refusal("until: {}\n"), HasSubstr("direction_deg"));
+  EXPECT_THAT(Refusal("until: {direction_deg: 1, most_extra: 1001}\n"), HasSubstr("most_extra"));
+  EXPECT_THAT(Refusal("until: {direction_deg: 1}\nclosure: true\n"), HasSubstr("closure"));
+  CapturePlan wrong;
+  wrong.until = UntilDirections{0.0, 1};
+  EXPECT_EQ(Validate(wrong)->key, "until/direction_deg");
+}
+
+TEST(CapturePlan, ExtraAnglesAreBetweenAndBeyondThoseThatAreTaken) {
+  CapturePlan plan;
+  plan.step_deg = 90.0;
+  plan.count = 2;
+  EXPECT_THAT(ExtraAngles(plan, {0.0, 90.0}),
+              ElementsAre(22.5, 45.0, 67.5, 112.5, 135.0, 157.5, 180.0, 202.5, 225.0, 247.5, 270.0,
+                          292.5, 315.0, 337.5));
+  plan.limits = AngleLimits{-5.0, 120.0};
+  EXPECT_THAT(ExtraAngles(plan, {0.0, 90.0, 405.0}), ElementsAre(22.5, 67.5, 112.5))
+      << "405 is 45, a turn later";
+  plan.direction = TurnDirection::kCw;
+  plan.limits.reset();
+  EXPECT_EQ(ExtraAngles(plan, {0.0, -90.0}).front(), -22.5);
+  plan.step_deg = 1.0;
+  EXPECT_EQ(ExtraAngles(plan, {}).size(), kMostExtraAngles);
+}
+
 }  // namespace
 }  // namespace turnlight::rig

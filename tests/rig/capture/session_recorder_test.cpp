@@ -427,5 +427,42 @@ TEST_F(SessionRecorderTest, SpaceIsCheckedBeforehand) {
   EXPECT_TRUE(recorder->Add(keyframes_[0]));
 }
 
+// A capture that goes on until the lights are known: extra frames are kept, it ends when it is told
+// to, and session.json says why.
+TEST_F(SessionRecorderTest, EndsWhereItIsToldTo) {
+  setup_.plan.closure = false;
+  setup_.plan.until = UntilDirections{0.05, 2};
+  SessionRecorder recorder = StartWith(3);
+  RecordedKeyframe extra = keyframes_[1];
+  extra.index = 3;
+  extra.angle_deg = 5.0;
+  ASSERT_TRUE(recorder.Add(extra));
+  EXPECT_EQ(recorder.entries().at(3).frame.angle_deg, 5.0);
+  extra.index = 5;
+  EXPECT_FALSE(recorder.Add(extra)) << "two extra ones are allowed";
+  recorder.End({"reached", "All is known."});
+  EXPECT_THAT(recorder.Missing(), IsEmpty());
+  ASSERT_TRUE(recorder.Finish());
+  EXPECT_EQ(nlohmann::json::parse(Get("session.json"))["x-ended"]["code"], "reached");
+  EXPECT_EQ(ReadSession(root())->frames.size(), 4u);
+  const auto again = SessionRecorder::Resume(root(), setup_, Run());
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ(again->entries().size(), 4u);
+  EXPECT_THAT(again->Missing(), IsEmpty());
+}
+
+TEST_F(SessionRecorderTest, EndsBeforeItsPlan) {
+  setup_.plan.closure = false;
+  setup_.plan.until = UntilDirections{0.05, 2};
+  {
+    SessionRecorder recorder = StartWith(2);
+    EXPECT_EQ(recorder.Missing().size(), 1u);
+    recorder.End({"early", "That is enough."});
+    ASSERT_TRUE(recorder.Finish());
+  }
+  EXPECT_EQ(ReadSession(root())->frames.size(), 2u);
+  EXPECT_THAT(SessionRecorder::Resume(root(), setup_, Run())->Missing(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace turnlight::rig
