@@ -164,8 +164,9 @@ TEST(ModelChoice, AKnownDistanceIsKeptAndNarrowsTheDirections) {
     ASSERT_TRUE(light.near && light.distance);
     EXPECT_GE(*light.distance, 380.0 * (1.0 - 1e-6));
     EXPECT_LE(*light.distance, 420.0 * (1.0 + 1e-6));
-    // Of a uniform distribution, or less.
-    EXPECT_LE(light.distance_sigma.value_or(1e9), 40.0 / std::sqrt(12.0) * 1.01);
+    // That of a uniform inverse distance, or less.
+    EXPECT_LE(light.distance_sigma.value_or(1e9),
+              420.0 * 420.0 * (1.0 / 380.0 - 1.0 / 420.0) / std::sqrt(12.0) * 1.001);
     EXPECT_GT(light.distance_sigma.value_or(0.0), 0.0);
     EXPECT_LE(light.direction_sigma, open->estimate.lights[l].direction_sigma * 1.001);
   }
