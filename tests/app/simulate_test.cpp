@@ -143,7 +143,7 @@ TEST_F(Simulate, BadConfigsAreNamed) {
 TEST_F(Simulate, OptionsThatFitNoDeviceAreRefused) {
   const Outcome link = RunProgram({"simulate", Config(Camera()), "--link", "/tmp/x"});
   EXPECT_EQ(link.exit_code, 2);
-  EXPECT_THAT(link.err, HasSubstr("--link: "));
+  EXPECT_THAT(link.err, HasSubstr("--link names the port"));
   const Outcome address = RunProgram({"simulate", Config(Camera()), "--address", "there"});
   EXPECT_EQ(address.exit_code, 2);
   EXPECT_THAT(address.err, HasSubstr("--address: there, allowed is an IPv4 address"));
