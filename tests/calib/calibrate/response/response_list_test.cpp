@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/file.h"
+#include "tests/temporary_folder.h"
 
 namespace turnlight::calib::calibrate::response {
 namespace {
@@ -15,10 +16,6 @@ using testing::HasSubstr;
 
 class ResponseListTest : public testing::Test {
  protected:
-  ResponseListTest() : folder_(fs::path(testing::TempDir()) / "response_list") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
   Result<ResponseList> Read(const std::string& text) {
     EXPECT_TRUE(WriteFileAtomic(folder_ / "response.yaml", text));
     return ReadResponseList(folder_);
@@ -30,7 +27,9 @@ class ResponseListTest : public testing::Test {
     EXPECT_THAT(list.error().text, HasSubstr(words));
   }
 
-  fs::path folder_;
+  // Of its own: tests run beside each other.
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 const std::string kSeries =

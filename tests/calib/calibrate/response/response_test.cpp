@@ -13,6 +13,7 @@
 #include "calib/calibrate/response/response_pictures.h"
 #include "rig/session/image_file.h"
 #include "tests/calib/calibrate/response/sensor.h"
+#include "tests/temporary_folder.h"
 
 namespace turnlight::calib::calibrate::response {
 namespace {
@@ -39,9 +40,7 @@ cv::Mat1d Mosaic(double level) {
 
 class ResponseTest : public testing::Test {
  protected:
-  ResponseTest() : folder_(fs::path(testing::TempDir()) / "response") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  ResponseTest() {
     sensor_.black = 100.0;
     list_.source = "list";
     list_.bayer = "RGGB";
@@ -61,7 +60,9 @@ class ResponseTest : public testing::Test {
     return file;
   }
 
-  fs::path folder_;
+  // Of its own: tests run beside each other.
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   SimulatedSensor sensor_;
   ResponseList list_;
   std::uint64_t taken_ = 0;
