@@ -70,8 +70,6 @@ void TakeSteps(const uncertainty::DirectionForecast& forecast, const Information
   }
 }
 
-std::string Degrees(double radians) { return Format("%.2g", RadToDeg(radians)); }
-
 }  // namespace
 
 std::optional<std::string> WhyNoForecast(const Estimate& estimate) {
@@ -105,22 +103,24 @@ Result<NextView> AdviseNextView(const Estimate& estimate,
   return out;
 }
 
+std::string DegreesText(double radians) { return Format("%.2g", RadToDeg(radians)); }
+
 std::string WordsOf(const NextView& advice, const std::vector<CandidateView>& candidates) {
   messages::Values values{{"light", std::to_string(advice.light + 1)},
-                          {"sigma", Degrees(advice.sigma)},
-                          {"floor", Degrees(advice.floor)},
+                          {"sigma", DegreesText(advice.sigma)},
+                          {"floor", DegreesText(advice.floor)},
                           {"cause", advice.floor_words},
                           {"advice", advice.floor_advice}};
-  if (advice.wanted) values.emplace("wanted", Degrees(*advice.wanted));
+  if (advice.wanted) values.emplace("wanted", DegreesText(*advice.wanted));
   if (advice.steps.empty())
     return messages::Text(advice.IsMostlyFloor(advice.sigma) ? "next-view/floor" : "next-view/none",
                           values);
   values.emplace("view", candidates[advice.steps.front().candidate].label);
-  values.emplace("predicted", Degrees(advice.steps.front().sigma));
+  values.emplace("predicted", DegreesText(advice.steps.front().sigma));
   std::string text = messages::Text("next-view", values);
   if (!advice.wanted || advice.reached()) return text;
   values.emplace("views", Counted(advice.steps.size(), "further view"));
-  values.emplace("then", Degrees(advice.steps.back().sigma));
+  values.emplace("then", DegreesText(advice.steps.back().sigma));
   if (advice.reachable()) return text + " " + messages::Text("next-view/reachable", values);
   const bool floor = advice.IsMostlyFloor(advice.steps.back().sigma);
   return text + " " +

@@ -69,6 +69,9 @@ Result<NextView> AdviseNextView(const Estimate& estimate,
                                 const target::Geometry& geometry, const calib::RayGrid& rays,
                                 const Sensor& sensor, const NextViewOptions& options = {});
 
+// An angle as messages have it: degrees, two digits.
+std::string DegreesText(double radians);
+
 // The advice in a sentence or two (docs/messages.md, `next-view`).
 std::string WordsOf(const NextView& advice, const std::vector<CandidateView>& candidates);
 

@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/angles.h"
 #include "base/format.h"
 
 namespace turnlight::estimator {
 namespace {
-
-std::string DegreesText(double radians) { return Format("%.2g", RadToDeg(radians)); }
 
 std::size_t LeastKnown(const Estimate& estimate) {
   const auto worst = std::max_element(estimate.lights.begin(), estimate.lights.end(),

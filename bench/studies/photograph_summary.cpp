@@ -201,8 +201,8 @@ Summary SummarisePhotographs(const StudyFile& file) {
   AcceptNotes(out, of(""));
   out.text +=
       "\n  errors of the lights that were found and the median stated sigma, in degrees; % within "
-      "1 "
-      "and 2\n  sigma to which the truth's own error is added (0.4 degrees, gray ball 1.0); median "
+      "1 and 2\n  sigma to which the truth's own error is added (0.4 degrees, gray ball 1.0); "
+      "median "
       "processor time\n  of an answer, seconds (the script's is mostly the start of python)\n";
   out.text += Format("  %-21s %-18s %9s %7s %7s %7s %7s %5s %5s %7s\n", "photographs", "method",
                      "right", "mean", "median", "worst", "sigma", "1", "2", "time");

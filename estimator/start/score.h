@@ -17,11 +17,10 @@
 
 namespace turnlight::estimator::start {
 
-// What each part of a model must explain, in e_least; in docs/estimation.md, "Thresholds", why.
-// True lights of renderings explain 40 and more, false ones on a misfit up to 1.8.
+// What each part of a model must explain, in e_least (docs/estimation.md, "Thresholds"). Without a
+// true light of a rendering the excess was 40 times as large and more.
 inline constexpr double kLightPrice = 2.0, kColourPrice = 2.0;
-// One parameter more, or another formula; on real and rendered surfaces right ones explained 1 and
-// more.
+// One parameter more, or another formula.
 inline constexpr double kRoughPrice = 0.25, kCoatPrice = 0.25, kLobePrice = 0.25;
 inline constexpr double kSecondLobePrice = 1.0;  // two parameters that can stand for others
 

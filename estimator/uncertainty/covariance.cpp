@@ -51,4 +51,10 @@ Covariance InvertInformation(const Eigen::MatrixXd& hessian, double variance) {
   return out;
 }
 
+double LongerHalfAxis(const Eigen::Matrix2d& covariance) {
+  const double larger =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues().maxCoeff();
+  return std::sqrt(std::max(larger, 0.0));
+}
+
 }  // namespace turnlight::estimator::uncertainty

@@ -25,4 +25,7 @@ struct Covariance {
 // weak stay empty.
 Covariance InvertInformation(const Eigen::MatrixXd& hessian, double variance);
 
+// Of the one-sigma ellipse of two coordinates: what one number says of a direction.
+double LongerHalfAxis(const Eigen::Matrix2d& covariance);
+
 }  // namespace turnlight::estimator::uncertainty

@@ -1,7 +1,5 @@
 #include "estimator/uncertainty/direction_forecast.h"
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,12 +10,6 @@ namespace {
 
 // A change of a direction by less than this for a change of an unknown by 1 is none.
 constexpr double kNoChange = 1e-6;
-
-double LongerHalfAxis(const Eigen::Matrix2d& covariance) {
-  const double larger =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues().maxCoeff();
-  return std::sqrt(std::max(larger, 0.0));
-}
 
 bool DependsOn(const DirectionForecast::Light& light, const std::vector<bool>& undetermined) {
   for (std::size_t i = 0; i < undetermined.size(); ++i)

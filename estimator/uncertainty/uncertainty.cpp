@@ -84,10 +84,6 @@ Covariance Invert(const solve::Solution& solution, const observe::Observations& 
   return out;
 }
 
-double LargerEigenvalue(const Eigen::Matrix2d& m) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues().maxCoeff();
-}
-
 // The variance along the larger axis of the total's.
 double AlongLargerAxis(const Eigen::Matrix2d& total, const Eigen::Matrix2d& m) {
   const Eigen::Vector2d axis =
@@ -143,7 +139,7 @@ Uncertainty Unflatten(const Eigen::MatrixXd& result, const std::vector<bool>& un
     out.lights[l].direction = is_unknown ? kUnknown
                               : total
                                   ? std::sqrt(AlongLargerAxis(direction(*total), direction(result)))
-                                  : std::sqrt(LargerEigenvalue(direction(result)));
+                                  : LongerHalfAxis(direction(result));
     const Eigen::Index position = At(OfLight::kPosition, l);
     out.lights[l].position_covariance = result.block<3, 3>(position, position);
   }

@@ -1,10 +1,12 @@
 // Proves: what is inverted is the inverse, whatever the units; a direction that the data do not see
-// is left out and told. Does not prove what it is used for: uncertainty_test does.
+// is left out and told; a half-axis is that of the ellipse. Does not prove what it is used for:
+// uncertainty_test does.
 #include "estimator/uncertainty/covariance.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 
 namespace turnlight::estimator::uncertainty {
 namespace {
@@ -35,6 +37,15 @@ TEST(InvertInformation, LeavesOutWhatIsNotSeen) {
 
 TEST(InvertInformation, OfNothingIsNothing) {
   EXPECT_EQ(InvertInformation(Eigen::MatrixXd(), 1.0).matrix.size(), 0);
+}
+
+TEST(LongerHalfAxis, IsThatOfTheEllipse) {
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  Eigen::Matrix2d turn;
+  turn << c, -s, s, c;
+  const Eigen::Matrix2d axes = Eigen::Vector2d(0.04, 9.0).asDiagonal();
+  EXPECT_NEAR(LongerHalfAxis(turn * axes * turn.transpose()), 3.0, 1e-12);
+  EXPECT_EQ(LongerHalfAxis(Eigen::Matrix2d::Zero()), 0.0);
 }
 
 }  // namespace
