@@ -20,8 +20,7 @@ constexpr const char* kChannels[] = {"red", "green", "blue"};
 // does not reach by far, and worse pictures or a worse model do.
 constexpr double kRmsTolerance = 0.05;
 // Of a departure of the diffuse part from its model, which has no sigma either: the size that is
-// expected of them (solve/photograph_solve.cpp). Noise of 0.3 % of white moves those of photographs
-// of a glossy ball by up to 0.06.
+// expected of them (solve/photograph_solve.cpp).
 constexpr double kDepartureTolerance = 0.1;
 constexpr const char* kOtherGauge =
     "the strongest light or the brightest channel, to which this is relative, is another; the "
