@@ -19,6 +19,22 @@ std::string ShowRange(Range range) {
   return text;
 }
 
+std::string ShowIntegers(std::int64_t min, std::int64_t max) {
+  return "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+}
+
+std::string ShowNumbers(std::size_t count, Range range) {
+  return "a list of " + std::to_string(count) + ", each " + ShowRange(range);
+}
+
+std::string ShowChoice(const std::vector<std::string>& allowed) {
+  return "one of " + Listed(allowed);
+}
+
+constexpr const char* kBoolean = "true or false";
+constexpr const char* kText = "a text";
+constexpr const char* kObject = "an object of keys and values";
+
 bool InRange(double value, Range range) {
   return std::isfinite(value) && value >= range.min && value <= range.max && value > range.above;
 }
@@ -35,8 +51,8 @@ StrictObject::StrictObject(const Document& document)
 StrictObject::StrictObject(const Document& document, const json& value, std::string pointer)
     : document_(&document), value_(&value), pointer_(std::move(pointer)) {
   if (!value.is_object())
-    error_ = Error{ErrorKind::kInput, Where("") + ": " + ShowValue(value) +
-                                          ", allowed is an object of keys and values"};
+    error_ =
+        Error{ErrorKind::kInput, Where("") + ": " + ShowValue(value) + ", allowed is " + kObject};
 }
 
 std::string StrictObject::Where(std::string_view key) const {
@@ -67,13 +83,17 @@ void StrictObject::Refuse(std::string_view key, std::string_view allowed) {
   RefuseText(key, (value ? ShowValue(*value) : "missing") + ", allowed is " + std::string(allowed));
 }
 
-const json* StrictObject::Find(std::string_view key, bool required) {
+const json* StrictObject::Find(std::string_view key) {
   known_.emplace(key);
   if (!value_->is_object()) return nullptr;
   const auto found = value_->find(std::string(key));
-  if (found != value_->end()) return &*found;
-  if (required && !error_) missing_ = key;
-  if (required) RefuseText(key, "this key is missing");
+  return found != value_->end() ? &*found : nullptr;
+}
+
+const json* StrictObject::Require(std::string_view key, const std::string& allowed) {
+  if (const json* value = Find(key)) return value;
+  if (!error_) missing_ = key;
+  RefuseText(key, "this key is missing, allowed is " + allowed);
   return nullptr;
 }
 
@@ -89,77 +109,77 @@ std::optional<double> StrictObject::ReadNumber(std::string_view key, const json&
 }
 
 std::optional<double> StrictObject::OptionalNumber(std::string_view key, Range range) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   return value ? ReadNumber(key, *value, range) : std::nullopt;
 }
 
 double StrictObject::Number(std::string_view key, Range range) {
-  const json* value = Find(key, true);
+  const json* value = Require(key, ShowRange(range));
   return value ? ReadNumber(key, *value, range).value_or(0.0) : 0.0;
 }
 
 std::optional<std::int64_t> StrictObject::OptionalInteger(std::string_view key, std::int64_t min,
                                                           std::int64_t max) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   const bool fits = value->is_number_unsigned()
                         ? value->get<std::uint64_t>() <= static_cast<std::uint64_t>(INT64_MAX)
                         : value->is_number_integer();
   if (fits && value->get<std::int64_t>() >= min && value->get<std::int64_t>() <= max)
     return value->get<std::int64_t>();
-  Refuse(key, "a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+  Refuse(key, ShowIntegers(min, max));
   return std::nullopt;
 }
 
 std::int64_t StrictObject::Integer(std::string_view key, std::int64_t min, std::int64_t max) {
-  if (!Find(key, true)) return min;
+  if (!Require(key, ShowIntegers(min, max))) return min;
   return OptionalInteger(key, min, max).value_or(min);
 }
 
 std::optional<bool> StrictObject::OptionalBoolean(std::string_view key) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   if (value->is_boolean()) return value->get<bool>();
-  Refuse(key, "true or false");
+  Refuse(key, kBoolean);
   return std::nullopt;
 }
 
 bool StrictObject::Boolean(std::string_view key) {
-  if (!Find(key, true)) return false;
+  if (!Require(key, kBoolean)) return false;
   return OptionalBoolean(key).value_or(false);
 }
 
 std::optional<std::string> StrictObject::OptionalString(std::string_view key) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   if (value->is_string()) return value->get<std::string>();
-  Refuse(key, "a text");
+  Refuse(key, kText);
   return std::nullopt;
 }
 
 std::string StrictObject::String(std::string_view key) {
-  if (!Find(key, true)) return {};
+  if (!Require(key, kText)) return {};
   return OptionalString(key).value_or(std::string());
 }
 
 std::optional<std::string> StrictObject::OptionalChoice(std::string_view key,
                                                         const std::vector<std::string>& allowed) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   for (const std::string& word : allowed)
     if (value->is_string() && value->get<std::string>() == word) return word;
-  Refuse(key, "one of " + Listed(allowed));
+  Refuse(key, ShowChoice(allowed));
   return std::nullopt;
 }
 
 std::string StrictObject::Choice(std::string_view key, const std::vector<std::string>& allowed) {
-  if (!Find(key, true)) return allowed.front();
+  if (!Require(key, ShowChoice(allowed))) return allowed.front();
   return OptionalChoice(key, allowed).value_or(allowed.front());
 }
 
 std::optional<std::vector<double>> StrictObject::OptionalNumbers(std::string_view key,
                                                                  std::size_t count, Range range) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   bool fits = value->is_array() && value->size() == count;
   std::vector<double> numbers;
@@ -169,12 +189,12 @@ std::optional<std::vector<double>> StrictObject::OptionalNumbers(std::string_vie
     if (fits) numbers.push_back(element.get<double>());
   }
   if (fits) return numbers;
-  Refuse(key, "a list of " + std::to_string(count) + ", each " + ShowRange(range));
+  Refuse(key, ShowNumbers(count, range));
   return std::nullopt;
 }
 
 std::optional<std::vector<double>> StrictObject::OptionalList(std::string_view key, Range range) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   if (value->is_array() && !value->empty()) return OptionalNumbers(key, value->size(), range);
   Refuse(key, "a list of numbers, at least one, each " + ShowRange(range));
@@ -183,14 +203,16 @@ std::optional<std::vector<double>> StrictObject::OptionalList(std::string_view k
 
 std::vector<double> StrictObject::Numbers(std::string_view key, std::size_t count, Range range) {
   std::vector<double> zeros(count, 0.0);
-  if (!Find(key, true)) return zeros;
+  if (!Require(key, ShowNumbers(count, range))) return zeros;
   return OptionalNumbers(key, count, range).value_or(zeros);
 }
 
 std::vector<double> StrictObject::Matrix(std::string_view key, std::size_t rows,
                                          std::size_t columns) {
+  const std::string allowed =
+      std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers";
   std::vector<double> numbers;
-  const json* value = Find(key, true);
+  const json* value = Require(key, allowed);
   bool fits = value && value->is_array() && value->size() == rows;
   for (std::size_t r = 0; fits && r < rows; ++r) {
     fits = (*value)[r].is_array() && (*value)[r].size() == columns;
@@ -201,29 +223,29 @@ std::vector<double> StrictObject::Matrix(std::string_view key, std::size_t rows,
     }
   }
   if (fits) return numbers;
-  if (value)
-    Refuse(key, std::to_string(rows) + " rows of " + std::to_string(columns) + " finite numbers");
+  if (value) Refuse(key, allowed);
   return std::vector<double>(rows * columns, 0.0);
 }
 
 std::optional<StrictObject> StrictObject::OptionalObject(std::string_view key) {
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   if (!value) return std::nullopt;
   return StrictObject(*document_, *value, pointer_ + "/" + std::string(key));
 }
 
 StrictObject StrictObject::Object(std::string_view key) {
   static const json kEmpty = json::object();
-  const json* value = Find(key, true);
+  const json* value = Require(key, kObject);
   return StrictObject(*document_, value ? *value : kEmpty, pointer_ + "/" + std::string(key));
 }
 
 std::vector<StrictObject> StrictObject::Objects(std::string_view key, std::size_t min_count) {
   std::vector<StrictObject> objects;
-  const json* value = Find(key, true);
+  const std::string allowed = "a list of objects, at least " + std::to_string(min_count);
+  const json* value = Require(key, allowed);
   if (!value) return objects;
   if (!value->is_array() || value->size() < min_count) {
-    Refuse(key, "a list of at least " + std::to_string(min_count) + " objects");
+    Refuse(key, allowed);
     return objects;
   }
   for (std::size_t i = 0; i < value->size(); ++i)
@@ -234,7 +256,7 @@ std::vector<StrictObject> StrictObject::Objects(std::string_view key, std::size_
 
 const json& StrictObject::Raw(std::string_view key) {
   static const json kNull;
-  const json* value = Find(key, false);
+  const json* value = Find(key);
   return value ? *value : kNull;
 }
 

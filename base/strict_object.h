@@ -91,7 +91,9 @@ class StrictObject {
   std::string Where(std::string_view key) const;
 
  private:
-  const nlohmann::json* Find(std::string_view key, bool required);
+  const nlohmann::json* Find(std::string_view key);
+  // Refuses an object without the key.
+  const nlohmann::json* Require(std::string_view key, const std::string& allowed);
   std::optional<double> ReadNumber(std::string_view key, const nlohmann::json& value, Range range);
 
   const Document* document_;

@@ -101,14 +101,26 @@ TEST(StrictObject, UnknownKeyNamesTheKnown) {
               HasSubstr("y-mine: unknown key"));
 }
 
-TEST(StrictObject, MissingKey) {
-  for (const auto& read : std::vector<void (*)(StrictObject&)>{
-           [](StrictObject& o) { o.Number("k"); }, [](StrictObject& o) { o.Integer("k", 0, 1); },
-           [](StrictObject& o) { o.Boolean("k"); }, [](StrictObject& o) { o.String("k"); },
-           [](StrictObject& o) { o.Choice("k", {"a"}); },
-           [](StrictObject& o) { o.Numbers("k", 2); }, [](StrictObject& o) { o.Matrix("k", 2, 2); },
-           [](StrictObject& o) { o.Object("k"); }, [](StrictObject& o) { o.Objects("k", 1); }})
-    EXPECT_EQ(Refusal("{}", read), "f.json: k: this key is missing");
+TEST(StrictObject, OfAMissingKeyWhatIsAllowedIsSaid) {
+  struct Read {
+    void (*by)(StrictObject&);
+    const char* allowed;
+  };
+  for (const Read& read : std::vector<Read>{
+           {[](StrictObject& o) { o.Number("k", {.above = 0.0}); }, "a finite number above 0"},
+           {[](StrictObject& o) { o.Integer("k", 0, 1); }, "a whole number from 0 to 1"},
+           {[](StrictObject& o) { o.Boolean("k"); }, "true or false"},
+           {[](StrictObject& o) { o.String("k"); }, "a text"},
+           {[](StrictObject& o) {
+              o.Choice("k", {"a", "b"});
+            },
+            "one of a, b"},
+           {[](StrictObject& o) { o.Numbers("k", 2); }, "a list of 2, each a finite number"},
+           {[](StrictObject& o) { o.Matrix("k", 2, 3); }, "2 rows of 3 finite numbers"},
+           {[](StrictObject& o) { o.Object("k"); }, "an object of keys and values"},
+           {[](StrictObject& o) { o.Objects("k", 1); }, "a list of objects, at least 1"}})
+    EXPECT_EQ(Refusal("{}", read.by),
+              std::string("f.json: k: this key is missing, allowed is ") + read.allowed);
 }
 
 TEST(StrictObject, AMisspeltKeyIsNamedInsteadOfTheMissingOne) {
@@ -152,7 +164,7 @@ TEST(StrictObject, WrongShape) {
   EXPECT_THAT(Refusal(R"({"k": [[1, 2], [3]]})", [](StrictObject& o) { o.Matrix("k", 2, 2); }),
               HasSubstr("2 rows of 2"));
   EXPECT_THAT(Refusal(R"({"k": []})", [](StrictObject& o) { o.Objects("k", 1); }),
-              HasSubstr("at least 1 objects"));
+              HasSubstr("a list of objects, at least 1"));
 }
 
 TEST(StrictObject, NumbersInRange) {

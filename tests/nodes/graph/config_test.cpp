@@ -92,7 +92,7 @@ TEST(GraphConfig, RefusesWrongNodes) {
             "rig.yaml:6: graph/nodes/ze.bra: \"ze.bra\", allowed in a node's name are letters, "
             "digits, _ and -");
   EXPECT_EQ(Refusal(Replaced("type: counter, ", "")),
-            "rig.yaml:6: graph/nodes/zebra/type: this key is missing");
+            "rig.yaml:6: graph/nodes/zebra/type: this key is missing, allowed is a text");
   EXPECT_THAT(Refusal(Replaced("duration_ms: 1.5", "duraton_ms: 1.5")),
               HasSubstr("rig.yaml:7: graph/nodes/ant/duraton_ms: unknown key, allowed are "
                         "deadline_ms, duration_ms, params, type (did you mean \"duration_ms\"?)"));
@@ -125,7 +125,7 @@ TEST(GraphConfig, RefusesWrongConnections) {
             "rig.yaml:9: graph/connections/0/capacity: 0, allowed is a whole number from 1 to "
             "65536");
   EXPECT_EQ(Refusal(Replaced("from: zebra.number, ", "")),
-            "rig.yaml:9: graph/connections/0/from: this key is missing");
+            "rig.yaml:9: graph/connections/0/from: this key is missing, allowed is a text");
   EXPECT_THAT(Refusal(Replaced("to: ant.in", "two: ant.in, to: ant.in")),
               StartsWith("rig.yaml:9: graph/connections/0/two: unknown key, allowed are"));
   EXPECT_THAT(Refusal(Replaced("record: [zebra.number, ant.out]", "record: ant.out")),
