@@ -30,7 +30,7 @@ Result<Estimate> AnytimeEstimator::Solve(const OddOnes& odd, bool cold, bool& do
     parts.push_back(parts_[k]);
     signatures.push_back(signatures_[k]);
   }
-  const observe::Observations all = observe::Concatenate(odd.empty() ? parts_ : parts);
+  observe::Observations all = observe::Concatenate(odd.empty() ? parts_ : parts);
   parts.clear();
   select::Refined refined;
   auto estimate =

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "estimator/report.h"
 #include "estimator/residual_maps.h"
 #include "estimator/select/ambient_rung.h"
+#include "estimator/select/clipped_rung.h"
 #include "estimator/select/intensity_rung.h"
 #include "estimator/select/photograph_refine.h"
 #include "estimator/solve/coordinates.h"
@@ -83,6 +85,7 @@ struct Found {
   std::vector<model::Rung> ladder;
   std::vector<IterationRecord> history;
   double start_s = 0.0;
+  double least_kept = std::numeric_limits<double>::infinity();  // as start::Start's
   Result<std::optional<Photographed>> photograph = std::optional<Photographed>();
 
   bool of_photograph() const { return photograph && photograph->has_value(); }
@@ -114,7 +117,7 @@ Found Search(const observe::Observations& all, double noise, const observe::Inte
   start::Beyond beyond;
   if (photograph)
     beyond = [&](const start::Sample& sample) {
-      out.photograph = photograph(options.model, &sample);
+      out.photograph = photograph(options.model, {&sample, nullptr});
       return !out.photograph || out.photograph->has_value();
     };
   start::Start start = StartOf(all, noise, map, options, beyond);
@@ -123,6 +126,7 @@ Found Search(const observe::Observations& all, double noise, const observe::Inte
   out.ladder = std::move(start.ladder);
   for (const double rms : start.rms_history)
     out.history.push_back({static_cast<int>(out.history.size()), all.radiance_unit * rms});
+  out.least_kept = start.least_kept;
   out.start = std::move(start.scene);
   if (StopRequested(options.watch.stop) || !out.photograph) return out;
   if (out.of_photograph()) {
@@ -182,9 +186,8 @@ void LookAtHighlights(const observe::Observations& all, double noise,
                       const EstimateOptions& options, double views_per_distinct,
                       const PhotographAsked& photograph, Found& found) {
   if (!Unexplained(select::Rms(all, found.refined.solution), noise)) return;
-  auto asked = photograph(options.model, nullptr);
-  if (asked && asked->has_value() && !LeavesLess(**asked, found.refined, all)) return;
-  found.photograph = std::move(asked);
+  const model::Scene usual = solve::ToWorld(found.refined.solution.scene, all);
+  found.photograph = photograph(options.model, {nullptr, &usual});
   if (found.of_photograph()) TakePhotograph(options, views_per_distinct, found);
 }
 
@@ -202,16 +205,16 @@ Found SearchAll(const observe::Observations& all, double noise, const observe::I
   return found;
 }
 
-// photograph: its lights, if the pictures were estimated as that.
 void TakeNotes(const observe::Observations& all, const Levels& levels,
-               const model::ModelChoice& choice, const start::PhotographLights* photograph,
-               Estimate& out) {
+               const model::ModelChoice& choice, const Found& found, Estimate& out) {
   AddNotes(out);
   if (out.channels == 1 && choice.coloured.value_or(false)) AddNote("grey/colours", {}, out);
-  if (photograph)
-    AddPhotographNotes(*photograph, out);
-  else
-    AddCountNote(levels.noise, levels.brightest, out);
+  if (found.lights() != nullptr) {
+    AddPhotographNotes(*found.lights(), out);
+  } else {
+    AddCountNotes(levels.noise, levels.brightest, start::WorthOfRatio(found.least_kept), out);
+    AddUnexplainedNote(levels.noise, out);
+  }
   if (all.radiance_unit != 1.0)
     AddNote("exposure", {{"level", Format("%.2g", all.radiance_unit)}}, out);
 }
@@ -229,7 +232,7 @@ model::Scene Estimate::ToScene() const {
   return scene;
 }
 
-Result<Estimate> EstimateObservations(const observe::Observations& all,
+Result<Estimate> EstimateObservations(observe::Observations& all,
                                       const std::vector<cv::Mat>& signatures,
                                       const EstimateOptions& options, observe::IntensityMap* map,
                                       select::Refined* refined, const CalibrationAsked& calibration,
@@ -249,6 +252,9 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
   Found found =
       SearchAll(all, noise, used_map, options, views_per_distinct, photograph, estimate.views == 1);
   if (!found.photograph) return Forward(found.photograph);
+  const Levels levels{all.radiance_unit * noise,
+                      all.radiance_unit * observe::BrightestRadiance(all)};
+  if (!found.of_photograph()) select::ChooseClipped(noise, all, found.refined, found.ladder);
   if (StopRequested(options.watch.stop)) return InterruptedError();
   estimate.ladder = std::move(found.ladder);
   estimate.history = std::move(found.history);
@@ -267,12 +273,10 @@ Result<Estimate> EstimateObservations(const observe::Observations& all,
     result = OnOtherPixels(result, fitted, all);
     FillResidual(all, result, estimate);
   }
-  const Levels levels{all.radiance_unit * noise,
-                      all.radiance_unit * observe::BrightestRadiance(all)};
   if (const Status status = CheckLights(estimate, levels, evidence); !status)
     return Forward(status);
   estimate.initial_rms = estimate.history.empty() ? estimate.rms : estimate.history.front().rms;
-  TakeNotes(all, levels, options.model, found.lights(), estimate);
+  TakeNotes(all, levels, options.model, found, estimate);
   estimate.solve_s = stopwatch.Seconds() - estimate.initial_s;
   if (refined) *refined = std::move(result);
   return estimate;
@@ -298,8 +302,8 @@ Result<EstimateOutput> EstimateScene(const model::KeyframeSource& keyframes,
     };
   PhotographAsked photograph;
   if (!options.initial && !options.warm_start)
-    photograph = [&](const model::ModelChoice& choice, const start::Sample* sample) {
-      return LookAtPhotographs(keyframes, geometry, rays, choice, sample, options.watch.stop);
+    photograph = [&](const model::ModelChoice& choice, const UsualSearch& usual) {
+      return LookAtPhotographs(keyframes, geometry, rays, choice, usual, options.watch.stop);
     };
   const std::vector<calib::RigPoses>& poses = keyframes.poses;
   Evidence evidence{observed->counts};

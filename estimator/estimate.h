@@ -123,6 +123,7 @@ struct Estimate {
   uncertainty::Uncertainty stat;      // their statistical parts, lights in the same order
   std::vector<uncertainty::BudgetItem> budget;  // what the total ones are made of, item by item
   uncertainty::Correlation correlation;         // of their errors; none of the lights' factors
+  uncertainty::CountEvidence count;             // of lights that may be missing
   bool has_sigmas = true;                       // false: the method states none, and all are NaN
   Eigen::Vector3d ambient_product = Eigen::Vector3d::Zero();  // O k_a
   Eigen::Vector3d ambient_product_sigma = Eigen::Vector3d::Zero();
@@ -182,9 +183,9 @@ using CalibrationAsked = std::function<Result<std::optional<uncertainty::Calibra
 // (optional) is asked once, at the solution; photograph (optional) where the first fit leaves more
 // than noise: what it says the pictures are is then estimated instead. Fails with kNoEstimate when
 // nothing usable was observed, with kInterrupted when options.watch.stop was set, and as
-// `calibration` does.
+// `calibration` does. What was held back of the observations may be taken in (clipped_rung.h).
 Result<Estimate> EstimateObservations(
-    const observe::Observations& all, const std::vector<cv::Mat>& signatures,
+    observe::Observations& all, const std::vector<cv::Mat>& signatures,
     const EstimateOptions& options, observe::IntensityMap* map = nullptr,
     select::Refined* refined = nullptr, const CalibrationAsked& calibration = {},
     const Evidence& evidence = {}, const PhotographAsked& photograph = {});

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kUnexplained = 2.0;  // residual rms over noise that something is missing from
 constexpr double kNoisy = 0.15;       // noise over the brightest radiance that hides lights
+constexpr double kHardlyKept = 1.3;   // of what is asked for a light
 
 }  // namespace
 
@@ -45,8 +46,9 @@ bool Unexplained(double rms, double noise) { return rms > kUnexplained * noise; 
 
 bool Noisy(double noise, double brightest) { return noise > kNoisy * brightest; }
 
-void AddCountNote(double noise, double brightest, Estimate& out) {
-  constexpr std::size_t kFewPixels = 1000;
+void AddCountNotes(double noise, double brightest, double least_kept, Estimate& out) {
+  constexpr std::size_t kFewPixels = 300;
+  constexpr double kClearly = 5.0;  // sigmas: right counts seldom reach it
   if (Noisy(noise, brightest))
     AddNote(
         "count-uncertain/noise",
@@ -54,15 +56,32 @@ void AddCountNote(double noise, double brightest, Estimate& out) {
         out);
   if (out.pixels < kFewPixels)
     AddNote("count-uncertain/few-pixels", {{"pixels", std::to_string(out.pixels)}}, out);
+  if (out.count.further > kClearly) {
+    const Eigen::Vector3d& u = out.count.further_direction;
+    AddNote("count-uncertain/further",
+            {{"sigmas", Format("%.0f", out.count.further)},
+             {"direction", Format("(%+.1f, %+.1f, %+.1f)", u.x(), u.y(), u.z())}},
+            out);
+  }
+  if (out.count.split > kClearly)
+    AddNote("count-uncertain/split",
+            {{"sigmas", Format("%.0f", out.count.split)},
+             {"light", std::to_string(out.count.split_light + 1)}},
+            out);
+  if (least_kept < kHardlyKept)
+    AddNote("count-uncertain/hardly-kept", {{"kept", Format("%.2g", least_kept)}}, out);
+}
+
+void AddUnexplainedNote(double noise, Estimate& out) {
   if (Unexplained(out.rms, noise))
-    AddNote("count-uncertain/unexplained",
+    AddNote("unexplained",
             {{"rms", Format("%.3g", out.rms)},
              {"times", Format("%.1f", out.rms / std::max(noise, 1e-12))}},
             out);
 }
 
 void AddPhotographNotes(const start::PhotographLights& lights, Estimate& out) {
-  constexpr double kHardlyKept = 1.3, kNearlyKept = 0.7;
+  constexpr double kNearlyKept = 0.7;
   AddNote("photograph", {{"misfit", Format("%.2g", std::sqrt(lights.misfit))}}, out);
   if (lights.least_kept < kHardlyKept)
     AddNote("count-uncertain/hardly-kept", {{"kept", Format("%.2g", lights.least_kept)}}, out);

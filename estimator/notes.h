@@ -17,9 +17,15 @@ void AddViewsNote(Estimate& out);
 // The same, and "no-highlight", "grey", "distance-unknown", "not-converged".
 void AddNotes(Estimate& out);
 
-// Code "count-uncertain": noise (sigma of a value) or what the model leaves unexplained may hide a
-// light. brightest: the 99.9 % quantile of the radiance.
-void AddCountNote(double noise, double brightest, Estimate& out);
+// Code "count-uncertain": noise (sigma of a value) may hide a light, few pixels may not show one,
+// score tests call for one more or for two in the place of one (out.count), or a light is hardly
+// worth its price (least_kept: in that). brightest: the 99.9 % quantile of the radiance. What the
+// model leaves as such is no reason: in the study of scenes made hard counts are right with it as
+// often as without.
+void AddCountNotes(double noise, double brightest, double least_kept, Estimate& out);
+
+// Code "unexplained": the residual is more than noise.
+void AddUnexplainedNote(double noise, Estimate& out);
 
 // Whether a residual (rms) is more than noise, and whether noise may hide lights.
 bool Unexplained(double rms, double noise);

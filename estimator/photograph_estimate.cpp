@@ -1,5 +1,6 @@
 #include "estimator/photograph_estimate.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "estimator/solve/coordinates.h"
@@ -23,13 +24,22 @@ bool IsOpen(const model::ModelChoice& choice) {
          !choice.harmonics.value_or(false) && choice.specular != model::SpecularModel::kNone;
 }
 
+// What a scene, in W, leaves of a photograph's pixels.
+double MisfitOf(const model::Scene& scene, const observe::Observations& pixels) {
+  solve::SolveOptions options = solve::PhotographSolveOptions(scene.lights.size());
+  options.max_iterations = 0;
+  const solve::Solution there =
+      solve::SolveSettled(pixels, solve::ToSolver(scene, pixels), options, 1);
+  return start::MisfitOf(pixels, there.equations.cost);
+}
+
 }  // namespace
 
 Result<std::optional<Photographed>> LookAtPhotographs(const model::KeyframeSource& keyframes,
                                                       const target::Geometry& geometry,
                                                       const calib::RayGrid& rays,
                                                       const model::ModelChoice& choice,
-                                                      const start::Sample* sample,
+                                                      const UsualSearch& usual,
                                                       const StopFlag* stop) {
   if (!IsOpen(choice)) return std::optional<Photographed>();
   observe::PhotographOptions options;
@@ -37,26 +47,20 @@ Result<std::optional<Photographed>> LookAtPhotographs(const model::KeyframeSourc
   auto look = observe::TakePhotograph(keyframes, geometry, rays, options);
   if (!look) return Forward(look);
   if (look->spots.empty() || look->pixels.used == 0) return std::optional<Photographed>();
+  // What any lights may leave, so that they are taken.
+  const double most = usual.fit ? MisfitOf(*usual.fit, look->pixels) / kClearly : kMostMisfit;
+  if (!(most > kLeastMisfit)) return std::optional<Photographed>();
   start::PhotographLights lights = start::FindPhotographLights(*look, choice, stop);
   if (StopRequested(stop)) return InterruptedError();
-  if (!(lights.misfit > kLeastMisfit && lights.misfit < kMostMisfit) || lights.strays > 0 ||
-      lights.scene.reflectance.shading.norm() > kMostDepartures)
+  if (!(lights.misfit > kLeastMisfit && lights.misfit < std::min(most, kMostMisfit)) ||
+      lights.strays > 0 || lights.scene.reflectance.shading.norm() > kMostDepartures)
     return std::optional<Photographed>();
-  if (sample != nullptr &&
+  if (usual.sample != nullptr &&
       start::UsualModelsExplain(
-          *sample, solve::ToSolver(solve::ToWorld(lights.scene, look->pixels), sample->pixels)))
+          *usual.sample,
+          solve::ToSolver(solve::ToWorld(lights.scene, look->pixels), usual.sample->pixels)))
     return std::optional<Photographed>();
   return std::optional(Photographed{std::move(*look), std::move(lights)});
-}
-
-bool LeavesLess(const Photographed& photograph, const select::Refined& usual,
-                const observe::Observations& fitted) {
-  const observe::Observations& pixels = photograph.look.pixels;
-  solve::SolveOptions options = solve::PhotographSolveOptions(usual.solution.scene.lights.size());
-  options.max_iterations = 0;
-  const solve::Solution there = solve::SolveSettled(
-      pixels, solve::ToSolver(solve::ToWorld(usual.solution.scene, fitted), pixels), options, 1);
-  return photograph.lights.misfit * kClearly < start::MisfitOf(pixels, there.equations.cost);
 }
 
 select::Refined OnOtherPixels(const select::Refined& refined, const observe::Observations& fitted,

@@ -19,24 +19,27 @@ struct Photographed {
   start::PhotographLights lights;
 };
 
-// What the pictures are as photographs; nothing where they are none. sample: of the usual search,
-// while it is open whether a usual model explains the pictures; null: none does.
+// What the usual search knows: a sample that it found no lights for, while it is open whether a
+// usual model explains the pictures; or the fit, in W, that it ended with. The other is null.
+struct UsualSearch {
+  const start::Sample* sample = nullptr;
+  const model::Scene* fit = nullptr;
+};
+
+// What the pictures are as photographs; nothing where they are none.
 using PhotographAsked = std::function<Result<std::optional<Photographed>>(
-    const model::ModelChoice& choice, const start::Sample* sample)>;
+    const model::ModelChoice& choice, const UsualSearch& usual)>;
 
 // Reads the keyframes once more. Nothing if there is no compact bright spot, if their lights leave
-// less than real surfaces do or far more, or if with them a usual model explains the pictures down
-// to their noise. Fails as the source does.
+// less than real surfaces do or far more, if with them a usual model explains the pictures down to
+// their noise, or if they do not leave clearly less than the usual fit does. Fails as the source
+// does.
 Result<std::optional<Photographed>> LookAtPhotographs(const model::KeyframeSource& keyframes,
                                                       const target::Geometry& geometry,
                                                       const calib::RayGrid& rays,
                                                       const model::ModelChoice& choice,
-                                                      const start::Sample* sample,
+                                                      const UsualSearch& usual,
                                                       const StopFlag* stop);
-
-// Whether a photograph's lights leave clearly less of it than a usual fit (of `fitted`) does.
-bool LeavesLess(const Photographed& photograph, const select::Refined& usual,
-                const observe::Observations& fitted);
 
 // A photograph's fit in the coordinates of other pixels of the same pictures, with the footprints
 // and shadows that they ask for: for maps and pictures.

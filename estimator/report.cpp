@@ -192,6 +192,7 @@ void FillFromFit(const observe::Observations& all, const select::Refined& refine
   out.stat = sigmas.stat;
   out.fit = StateOf(all, refined, std::move(sigmas.forecast));
   out.budget = std::move(sigmas.budget);
+  out.count = sigmas.count;
   out.reflectance = reported.reflectance;
   out.reference_point = all.reference;
   out.channels = all.channels;

@@ -41,7 +41,7 @@ std::map<std::size_t, cv::Mat1f> ResidualMaps(const observe::Observations& all,
     cv::Mat1f map(size, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = all.tile_begin[k] * observe::kTile;
          i < all.tile_begin[k + 1] * observe::kTile; ++i) {
-      if (all.pixel[i] == observe::Observations::kNoPixel) continue;
+      if (all.pixel[i] == observe::Observations::kNoPixel || all.IsAtWhite(i)) continue;
       if (options.shadows.usable && (*options.shadows.usable)[i] == 0) continue;
       float sum = 0.0f;
       for (int c = 0; c < all.channels; ++c)
@@ -64,7 +64,7 @@ std::vector<double> RmsByKeyframe(const observe::Observations& all, const model:
     std::size_t count = 0;
     for (std::size_t i = all.tile_begin[k] * observe::kTile;
          i < all.tile_begin[k + 1] * observe::kTile; ++i) {
-      if (all.pixel[i] == observe::Observations::kNoPixel) continue;
+      if (all.pixel[i] == observe::Observations::kNoPixel || all.IsAtWhite(i)) continue;
       if (options.shadows.usable && (*options.shadows.usable)[i] == 0) continue;
       for (int c = 0; c < all.channels; ++c, ++count) {
         const auto left =

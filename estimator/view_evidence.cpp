@@ -88,15 +88,20 @@ class Comparison {
     for (const std::vector<float>& component : vectors) sum += Square(component[a] - component[b]);
     return sum;
   }
-  // Pixels of a keyframe stand in the picture's order, with filling at the end of its last tile.
+  // Pixels of a keyframe stand in the picture's order, with filling between them and at the end.
   template <typename Visit>
   void ForCommon(const Pair& views, const Visit& visit) const {
     const auto begin = [&](int k) { return all_.tile_begin[k] * observe::kTile; };
     std::size_t a = begin(views.first), b = begin(views.second);
     while (a < begin(views.first + 1) && b < begin(views.second + 1)) {
-      if (all_.pixel[a] == Observations::kNoPixel || all_.pixel[b] == Observations::kNoPixel)
-        return;
-      if (all_.pixel[a] == all_.pixel[b])
+      const auto tells = [&](std::size_t i) {
+        return all_.pixel[i] != Observations::kNoPixel && !all_.IsAtWhite(i);
+      };
+      if (!tells(a))
+        ++a;
+      else if (!tells(b))
+        ++b;
+      else if (all_.pixel[a] == all_.pixel[b])
         visit(a++, b++);
       else
         ++(all_.pixel[a] < all_.pixel[b] ? a : b);

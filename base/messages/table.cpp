@@ -186,15 +186,21 @@ const std::vector<Row> kModel = {
      "The noise is {noise}, {share} % of the brightest radiance:",
      "lights and highlights may be hidden in it; average several pictures of each pose, or lower "
      "the gain and lengthen the exposure by as much."},
-    {"count-uncertain/few-pixels", kNote, "fewer than 1000 pixels are usable",
+    {"count-uncertain/few-pixels", kNote, "fewer than 300 pixels are usable",
      "Only {pixels} pixels are usable:",
      "they may not show every light; take more pictures, or move the camera closer."},
-    {"count-uncertain/unexplained", kNote, "the residual is more than twice the noise",
-     "The model leaves {rms} rms of the pictures unexplained, {times} times their noise:",
-     "a light, a shadow or a property of the surface may be missing, and the number of lights is "
-     "uncertain; the residual pictures (residual_NNN.png) show where."},
+    {"count-uncertain/further", kNote, "one more light would explain what is left, by 5 sigma",
+     "One more light, from about {direction}, would explain something of what is left, by {sigmas} "
+     "times what chance does:",
+     "there may be one, or a shadow or a property of the surface that is in no model; look there, "
+     "shield what you find, or compare with --model lights=N, N being one more."},
+    {"count-uncertain/split", kNote,
+     "two lights in the place of one would explain what is left, by 5 sigma",
+     "Light {light} may be two close together, or an extended one: that would explain something "
+     "of what is left, by {sigmas} times what chance does:",
+     "look at the lamp; use smaller ones, or compare with --model lights=N, N being one more."},
     {"count-uncertain/hardly-kept", kNote,
-     "of a photograph: a light that was kept is worth less than 1.3 of its price",
+     "a light that was kept is worth less than 1.3 of its price",
      "The evidence for a light that was kept is {kept} times what is asked for one:",
      "that is hardly enough, and it may not be there; take views from more sides, or compare with "
      "--model lights=N, N being one fewer."},
@@ -204,6 +210,11 @@ const std::vector<Row> kModel = {
      "that is nearly enough, and there may be one more; look at the residual pictures "
      "(residual_NNN.png), take views from more sides, or compare with --model lights=N, N being "
      "one more."},
+    {"unexplained", kNote, "the residual is more than twice the noise",
+     "The model leaves {rms} rms of the pictures unexplained, {times} times their noise:",
+     "a shadow or a property of the surface may be missing, or poses or the response may be wrong; "
+     "the residual pictures (residual_NNN.png) show where, and turnlight verify SESSION --model "
+     "tries other poses."},
     {"photograph", kNote,
      "no usual model explains the pictures down to their noise, and there are highlights",
      "There are highlights, but no usual model of a surface explains the pictures down to their "

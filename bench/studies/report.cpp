@@ -239,10 +239,18 @@ Status WriteReport(const std::filesystem::path& results, const std::filesystem::
     if (!section) return Forward(section);
     text += *section;
   }
-  const std::array<std::array<const char*, 3>, 4> sections = {
+  const std::array<std::array<const char*, 3>, 7> sections = {
       {{"eight", "Eight lights",
         "Three lights around the zenith and five lower down, over a ball and over a lump with "
         "hollows."},
+       {"shifted", "The target a ten-thousandth of its radius elsewhere",
+        "The random scenes, nothing of which may hang on that."},
+       {"hard", "Is a wrong number of lights said to be uncertain?",
+        "Random scenes made hard on purpose, each in one of six ways (`bench/studies/studies.h`). "
+        "What is judged is the note `count-uncertain`."},
+       {"lights", "Coloured lights, lights that change, light fields",
+        "Scenes of their own (`bench/studies/light_study.cpp`), some of each kind without what is "
+        "looked for."},
        {"handstart", "Started by hand",
         "The random scenes, each light's direction given 10 to 70 degrees off."},
        {"coverage", "Do the intervals hold the truth?",

@@ -36,6 +36,8 @@ cv::Rect Surroundings(const cv::Mat1b& target) {
          cv::Rect({0, 0}, target.size());
 }
 
+bool IsTaken(std::uint8_t flag) { return flag == 0 || flag == (kSaturated | kHeldBack); }
+
 struct InFlight {
   Result<model::Keyframe> keyframe = model::Keyframe{};
   KeyframeTracer tracer;
@@ -103,20 +105,24 @@ void KeyframeTracer::MarkPicture(const model::Keyframe& keyframe, const cv::Mat1
                                  Clipped clipped) {
   const cv::Rect box = Surroundings(target);
   // Charge and interpolation spill over from what is far too bright; noise does not.
-  cv::Mat1b saturated = clipped == Clipped::kLeftOut ? keyframe.image.saturated.clone()
-                                                     : cv::Mat1b(flags_.size(), std::uint8_t{0});
+  cv::Mat1b implausible(flags_.size(), std::uint8_t{0}), white = implausible.clone();
+  if (clipped == Clipped::kHeldBack)
+    cv::dilate(keyframe.image.saturated, white, cv::Mat1b::ones(3, 3));
   cv::Mat1b broken;
   if (!box.empty()) {
     broken = FindBrokenPixels(keyframe.image.radiance(box), target(box));
-    cv::Mat1b inside = saturated(box);
-    inside |= (broken & kImplausible) != 0;
+    cv::Mat1b inside_box = implausible(box);
+    inside_box |= (broken & kImplausible) != 0;
   }
-  cv::dilate(saturated, saturated, cv::Mat1b::ones(3, 3));
+  cv::dilate(implausible, implausible, cv::Mat1b::ones(3, 3));
   const cv::Mat1b inside = Eroded(target, kSilhouetteMargin);
   for (int row = 0; row < flags_.rows; ++row)
     for (int column = 0; column < flags_.cols; ++column) {
       std::uint8_t& flag = flags_(row, column);
-      if (saturated(row, column) != 0) flag |= kSaturated;
+      if (implausible(row, column) != 0)
+        flag |= kSaturated;
+      else if (white(row, column) != 0)
+        flag |= kSaturated | kHeldBack;
       if (target(row, column) == 0) continue;
       if (inside(row, column) == 0) flag |= kSilhouette;
       const std::uint8_t found = broken(row - box.y, column - box.x);
@@ -136,7 +142,7 @@ std::vector<TracedPixel> KeyframeTracer::TracedRow(int row, const BlockChoice& c
     if (!kept[static_cast<std::size_t>(column / BlockChoice::kSide)]) continue;
     const auto pixel = tracer.Trace(column, row);
     if (!pixel || !pixel->smooth) flags_(row, column) |= kSilhouette;
-    if (flags_(row, column) == 0)
+    if (IsTaken(flags_(row, column)))
       out.push_back({static_cast<std::uint32_t>(row * flags_.cols + column), *pixel});
   }
   return out;
@@ -156,7 +162,7 @@ std::vector<std::vector<TracedPixel>> KeyframeTracer::Rows(int begin, int end,
     out[i] = std::move(rows_[static_cast<std::size_t>(row)]);
     std::erase_if(out[i], [&](const TracedPixel& traced) {
       const int column = static_cast<int>(traced.pixel) - row * flags_.cols;
-      return flags_(row, column) != 0 ||
+      return !IsTaken(flags_(row, column)) ||
              !kept[static_cast<std::size_t>(column / BlockChoice::kSide)];
     });
   });

@@ -21,17 +21,18 @@ namespace turnlight::estimator::observe {
 // Why a pixel is not used; the bits of a flag picture. 0: used.
 enum PixelFlag : std::uint8_t {
   kOffTarget = 1,      // the ray misses the target, or the mask says it is not the target
-  kSaturated = 2,      // clipped, not finite, or one of the 8 neighbours of such a pixel
+  kSaturated = 2,      // clipped, implausible, or one of the 8 neighbours of such a pixel
   kSilhouette = 4,     // within two pixels of the outline, or across a jump of depth or normal
   kGrazing = 8,        // seen too flat for its footprint to be trusted
   kUnlikeOthers = 16,  // an outlier among its neighbours
   kLostInNoise = 32,   // cut off at the sensor's floor
   kNotTaken = 64,      // of many alike, others were taken
+  kHeldBack = 128,     // with kSaturated: clipped or beside it, and finite; see Clipped
 };
 
-// What becomes of pixels at white: they and their neighbours are left out, or kept, for a fit that
-// takes them as "this or more".
-enum class Clipped { kLeftOut, kKept };
+// What becomes of pixels at white and their neighbours: they are held back until a model is known
+// that can tell what they are worth (Observations::held_back), or kept as all others.
+enum class Clipped { kHeldBack, kKept };
 
 struct TracedPixel {
   std::uint32_t pixel = 0;  // row * width + column
@@ -48,10 +49,10 @@ class KeyframeTracer {
   // The first step. Geometry and rays must outlive the tracer; the keyframe need not.
   KeyframeTracer(const model::Keyframe& keyframe, std::uint32_t index,
                  const target::Geometry& geometry, const calib::RayGrid& rays,
-                 Clipped clipped = Clipped::kLeftOut);
+                 Clipped clipped = Clipped::kHeldBack);
 
-  // Used pixels of rows [begin, end) in blocks that are kept, row by row; each row can be asked for
-  // once.
+  // Used pixels of rows [begin, end) in blocks that are kept, and those held back, row by row; each
+  // row can be asked for once.
   std::vector<std::vector<TracedPixel>> Rows(int begin, int end, const BlockChoice& choice);
 
   // Before any rows: pixels that are not 0 here are not taken.
@@ -92,6 +93,6 @@ Status TraceKeyframes(
     const model::KeyframeSource& keyframes, const target::Geometry& geometry,
     const calib::RayGrid& rays, const StopFlag* stop,
     const std::function<void(std::size_t index, const model::Keyframe&, KeyframeTracer&)>& put,
-    Clipped clipped = Clipped::kLeftOut);
+    Clipped clipped = Clipped::kHeldBack);
 
 }  // namespace turnlight::estimator::observe

@@ -114,6 +114,26 @@ void CompleteIn(const ObservationFrame& frame, Observations& part) {
   SetWeightsByReference(part);
 }
 
+void TakeHeldBack(Observations& observations) {
+  observations.one_sided = true;
+  observations.at_white.assign(observations.size(), 0);
+  for (const HeldBack& held : observations.held_back) {
+    observations.pixel[held.at] = held.pixel;
+    observations.at_white[held.at] = held.at_white;
+  }
+  observations.used += observations.held_back.size();
+  if (observations.weighted) SetWeightsByReference(observations);
+}
+
+void HoldBack(Observations& observations) {
+  for (const HeldBack& held : observations.held_back)
+    observations.pixel[held.at] = Observations::kNoPixel;
+  observations.used -= observations.held_back.size();
+  if (observations.held_back.empty()) return;
+  observations.one_sided = false;
+  observations.at_white = {};
+}
+
 void DropWeights(Observations& observations) {
   observations.weighted = false;
   observations.variance = {};
@@ -153,6 +173,10 @@ Observations Concatenate(const std::vector<Observations>& parts) {
   std::uint32_t first_keyframe = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     PutPart(parts[k], out.tile_begin[k] * kTile, first_keyframe, out);
+    for (HeldBack held : parts[k].held_back) {
+      held.at += out.tile_begin[k] * kTile;
+      out.held_back.push_back(held);
+    }
     first_keyframe += static_cast<std::uint32_t>(parts[k].X_TW.size());
   }
   Complete(out);

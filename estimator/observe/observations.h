@@ -24,6 +24,15 @@ namespace turnlight::estimator::observe {
 // pixels.
 inline constexpr std::size_t kTile = 256;
 
+// Of Observations::at_white: the channels' bits; and that of a pixel beside one at white.
+inline constexpr std::uint8_t kAtWhite = 7, kBesideWhite = 0x40;
+
+struct HeldBack {
+  std::size_t at = 0;  // its place in the planes
+  std::uint32_t pixel = 0;
+  std::uint8_t at_white = 0;  // what it has there when it is taken
+};
+
 struct Observations {
   int channels = 3;                                     // 1 grey, 3 colour
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();  // in W: centroid of the observed surface
@@ -51,8 +60,9 @@ struct Observations {
   // Of weighted ones: the reference sigma's square, and what was added to every variance.
   double reference_variance = 0.0, floor_variance = 0.0;
   // Of each pixel, bit c: its radiance in channel c is at white, so that it was this or more; the
-  // residual there is one-sided in the normal equations; bit 7: it is in a highlight
-  // (photograph.h). Empty: no pixel's is.
+  // residual there is one-sided in the normal equations, where channels are together as soon as one
+  // of them is; bit 6: it is beside one at white; bit 7:
+  // it is in a highlight (photograph.h). Empty: no pixel's is.
   bool one_sided = false;
   std::vector<std::uint8_t> at_white;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad
@@ -69,6 +79,10 @@ struct Observations {
   // Keyframe k's tiles (before subsampling) are [tile_begin[k], tile_begin[k + 1]).
   std::vector<std::size_t> tile_begin{0};
   std::size_t used = 0;  // pixels that are not filling
+  // Pixels at white and beside them, which are filling until a model is known that can tell what
+  // they are worth (TakeHeldBack): at white it was this or more, and beside it charge may have
+  // spilled over.
+  std::vector<HeldBack> held_back;
   // How many independent pixels they are worth, where weights say that neighbours go together; 0:
   // as many as are used.
   double independent = 0.0;
@@ -79,6 +93,8 @@ struct Observations {
   double WeightOf(std::size_t i) const {
     return weight.empty() ? 1.0 : static_cast<double>(weight[i]);
   }
+  // Whether all that is known of a radiance of it is that it was this or more.
+  bool IsAtWhite(std::size_t i) const { return !at_white.empty() && (at_white[i] & kAtWhite) != 0; }
   std::size_t size() const { return pixel.size(); }
   std::size_t tiles() const { return pixel.size() / kTile; }
 };
@@ -134,6 +150,10 @@ ObservationFrame FrameOf(const Observations& observations);
 // One keyframe's (BuildPart), with its variances in white if the frame has weights, into that
 // frame.
 void CompleteIn(const ObservationFrame& frame, Observations& part);
+
+// Pixels that were held back are used as all others, at white one-sided; and back again.
+void TakeHeldBack(Observations& observations);
+void HoldBack(Observations& observations);
 
 // All pixels weigh the same.
 void DropWeights(Observations& observations);

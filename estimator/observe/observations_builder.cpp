@@ -40,6 +40,7 @@ template <typename Body>
 void ObservationsBuilder::ForEachArray(const Body& body) {
   for (std::vector<double>& component : position_) body(0.0, component);
   body(0.0f, footprint_size_);
+  body(std::uint8_t{0}, held_back_);
   ForEachOwnPlane(body, out_);
 }
 
@@ -74,15 +75,16 @@ void ObservationsBuilder::Add(const model::Keyframe& keyframe, KeyframeTracer& t
   begin_.push_back(begin_.back());
   const int height = rays_->height(), band = std::max(kBandPixels / rays_->width(), 1);
   for (int row = 0; row < height; row += band) {
-    Append(keyframe, marks, tracer.Rows(row, std::min(row + band, height), out_.blocks));
+    const Rows rows = tracer.Rows(row, std::min(row + band, height), out_.blocks);
+    Append(keyframe, tracer.flags(), marks, rows);
     while (used_ > most_) Thin();
   }
   begin_.back() = begin_[begin_.size() - 2] + WholeTiles(count_.back());
   Resize(begin_.back());
 }
 
-void ObservationsBuilder::Append(const model::Keyframe& keyframe, const cv::Mat1b* marks,
-                                 const Rows& rows) {
+void ObservationsBuilder::Append(const model::Keyframe& keyframe, const cv::Mat1b& flags,
+                                 const cv::Mat1b* marks, const Rows& rows) {
   std::vector<std::size_t> at{begin_[begin_.size() - 2] + count_.back()};
   for (const auto& row : rows) at.push_back(at.back() + row.size());
   Resize(at.back());
@@ -90,8 +92,13 @@ void ObservationsBuilder::Append(const model::Keyframe& keyframe, const cv::Mat1
   used_ += at.back() - at.front();
   ParallelFor(rows.size(), [&](std::size_t r) {
     for (std::size_t i = 0; i < rows[r].size(); ++i) {
+      const auto pixel = static_cast<int>(rows[r][i].pixel);
       Put(keyframe, rows[r][i], at[r] + i);
-      if (marks != nullptr) out_.at_white[at[r] + i] = marks->data[rows[r][i].pixel];
+      if (marks != nullptr) out_.at_white[at[r] + i] = marks->data[pixel];
+      if ((flags(pixel / flags.cols, pixel % flags.cols) & kHeldBack) == 0) continue;
+      const int channels = keyframe.image.saturated(pixel / flags.cols, pixel % flags.cols);
+      held_back_[at[r] + i] =
+          channels != 0 ? static_cast<std::uint8_t>(channels & kAtWhite) : kBesideWhite;
     }
   });
 }
@@ -163,20 +170,33 @@ void ObservationsBuilder::Thin() {
   });
 }
 
-Observations ObservationsBuilder::Finish() {
+// What was held back becomes filling, and is remembered.
+void ObservationsBuilder::RememberHeldBack() {
+  for (std::size_t i = 0; i < out_.size(); ++i)
+    if (held_back_[i] != 0) out_.held_back.push_back({i, out_.pixel[i], held_back_[i]});
+  held_back_ = {};
   out_.used = used_;
+  HoldBack(out_);
+}
+
+Observations ObservationsBuilder::Finish() {
+  RememberHeldBack();
   for (std::size_t k = 0; k < count_.size(); ++k) out_.tile_begin.push_back(begin_[k + 1] / kTile);
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 0; i < out_.size(); ++i)
     if (out_.pixel[i] != Observations::kNoPixel)
       sum += Vector3d(position_[0][i], position_[1][i], position_[2][i]);
-  if (used_ > 0) out_.reference = sum / static_cast<double>(used_);
+  if (out_.used > 0) out_.reference = sum / static_cast<double>(out_.used);
   for (std::size_t k = 0; k < 3; ++k) {
     out_.position[k].assign(out_.size(), 0.0f);
     const double origin = out_.reference[static_cast<Eigen::Index>(k)];
+    const auto about_reference = [&](std::size_t i) {
+      return static_cast<float>((position_[k][i] - origin) / out_.radius);
+    };
     for (std::size_t i = 0; i < out_.size(); ++i)
-      if (out_.pixel[i] != Observations::kNoPixel)
-        out_.position[k][i] = static_cast<float>((position_[k][i] - origin) / out_.radius);
+      if (out_.pixel[i] != Observations::kNoPixel) out_.position[k][i] = about_reference(i);
+    for (const HeldBack& held : out_.held_back)
+      out_.position[k][held.at] = about_reference(held.at);
     position_[k] = {};
   }
   out_.tile_footprint.assign(out_.tiles(), 0.0f);

@@ -40,8 +40,11 @@ class ObservationsBuilder {
 
  private:
   using Rows = std::vector<std::vector<TracedPixel>>;
-  void Append(const model::Keyframe& keyframe, const cv::Mat1b* marks, const Rows& rows);
+  // flags: of the keyframe, as the tracer has them.
+  void Append(const model::Keyframe& keyframe, const cv::Mat1b& flags, const cv::Mat1b* marks,
+              const Rows& rows);
   void Put(const model::Keyframe& keyframe, const TracedPixel& traced, std::size_t at);
+  void RememberHeldBack();
   void TakeChannels(const cv::Mat& radiance);
   void Resize(std::size_t size);
   void Reserve(std::size_t size);
@@ -56,6 +59,7 @@ class ObservationsBuilder {
   std::vector<std::size_t> count_;               // of its pixels
   std::array<std::vector<double>, 3> position_;  // in W, until the centroid is known
   std::vector<float> footprint_size_;            // |dw/du| + |dw/dv|
+  std::vector<std::uint8_t> held_back_;          // HeldBack::at_white, or 0
 };
 
 }  // namespace turnlight::estimator::observe

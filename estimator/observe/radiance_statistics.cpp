@@ -22,7 +22,8 @@ double EstimateNoise(const Observations& all) {
   std::vector<float> differences;
   for (std::size_t i = 1; i + 1 < all.size(); ++i) {
     if (all.pixel[i] == Observations::kNoPixel || all.pixel[i - 1] + 1 != all.pixel[i] ||
-        all.pixel[i] + 1 != all.pixel[i + 1])
+        all.pixel[i] + 1 != all.pixel[i + 1] || all.IsAtWhite(i - 1) || all.IsAtWhite(i) ||
+        all.IsAtWhite(i + 1))
       continue;
     const float weight = all.weight.empty() ? 1.0f : all.weight[i];
     for (int c = 0; c < all.channels; ++c)

@@ -139,7 +139,7 @@ KernelScene::KernelScene(const observe::Observations& observations, const model:
   }
   model.huber = options.huber;
   model.weighted = !observations.weight.empty();
-  model.channel_bit = all ? 0 : channel;
+  model.white_bits = all ? observe::kAtWhite : 1 << channel;
   model.gradient_only = options.gradient_only;
   FillQuadrature(options.aperture, model);
   model.l11 = std::sqrt(std::max(square, 1e-30));

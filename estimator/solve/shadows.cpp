@@ -85,7 +85,8 @@ class RowsAround {
 
   // On to a row, not above the one before.
   void GoTo(std::uint32_t row) {
-    for (; next_ < end_ && all_.pixel[next_] != kNone; ++next_) {
+    for (; next_ < end_; ++next_) {
+      if (all_.pixel[next_] == kNone) continue;
       const std::uint32_t of = all_.pixel[next_] / width_;
       if (of > row + 1) return;
       if (held_[of % 3] != of) {
@@ -130,7 +131,8 @@ void MarkCastEdges(const observe::Observations& all, std::size_t k, const Shadow
            !all.blocks.Keeps(static_cast<std::uint32_t>(k), static_cast<int>(column),
                              static_cast<int>(row));
   };
-  for (std::size_t i = begin; i < end && all.pixel[i] != RowsAround::kNone; ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
+    if (all.pixel[i] == RowsAround::kNone) continue;
     const auto width = static_cast<std::uint32_t>(all.width);
     const auto column = static_cast<std::int64_t>(all.pixel[i] % width);
     const auto row = static_cast<std::int64_t>(all.pixel[i] / width);

@@ -40,8 +40,12 @@ Candidate Refit(const Sample& sample, const Candidate& start, int iterations, do
                 double tolerance) {
   solve::Solution solution = SolveStart(sample, start, iterations, true, tolerance);
   const double mean_square = 2.0 * solution.equations.cost / ValuesIn(sample.pixels);
-  Candidate out{std::move(solution.scene), std::move(solution.evaluate.shadows), mean_square,
-                ExcessVariance(mean_square, noise), start.rms_history};
+  Candidate out{std::move(solution.scene),
+                std::move(solution.evaluate.shadows),
+                mean_square,
+                ExcessVariance(mean_square, noise),
+                start.least_kept,
+                start.rms_history};
   AppendHistory(sample.pixels, solution, out.rms_history);
   return out;
 }

@@ -1,6 +1,7 @@
 // A set of lights on a surface, fitted to the sample: what the search for a start compares.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "estimator/model/scene.h"
@@ -10,10 +11,13 @@
 namespace turnlight::estimator::start {
 
 struct Candidate {
-  model::Scene scene;               // in the observations' coordinates
-  solve::Shadows shadows;           // that it was fitted with
-  double mean_square = 0.0;         // residual variance per value
-  double excess = 0.0;              // of it what is above the noise, with a floor
+  model::Scene scene;        // in the observations' coordinates
+  solve::Shadows shadows;    // that it was fitted with
+  double mean_square = 0.0;  // residual variance per value
+  double excess = 0.0;       // of it what is above the noise, with a floor
+  // How many times as large the excess is without the light that is missed the least; infinite if
+  // that was not tried.
+  double least_kept = std::numeric_limits<double>::infinity();
   std::vector<double> rms_history;  // on the sample: the start, and after each iteration since
 };
 

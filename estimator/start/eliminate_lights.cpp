@@ -45,7 +45,10 @@ Candidate Eliminate(const Sample& sample, const Candidate& fitted) {
   const auto wanted = static_cast<std::size_t>(sample.choice.lights.value_or(0));
   while (best.scene.lights.size() > wanted) {
     Candidate fewer = BestWithoutOne(sample, best, least);
-    if (!sample.choice.lights && fewer.excess >= RatioFor(kLightPrice) * best.excess) break;
+    if (!sample.choice.lights && fewer.excess >= RatioFor(kLightPrice) * best.excess) {
+      best.least_kept = fewer.excess / best.excess;
+      break;
+    }
     best = std::move(fewer);
   }
   return Refit(sample, best, 40, sample.noise, kToKeep);

@@ -77,6 +77,7 @@ Start FindStart(const observe::Observations& all, double noise, const observe::I
         CheckHeldOut(observe::Subsample(all, static_cast<std::size_t>(kSampleSize), 2, by_keyframe),
                      sample, std::move(candidate), out.ladder);
   }
+  out.least_kept = candidate.least_kept;
   out.scene = std::move(candidate.scene);
   out.rms_history = std::move(candidate.rms_history);
   return out;

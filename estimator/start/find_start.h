@@ -1,6 +1,7 @@
 // Where the full solve starts.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct Start {
   model::Scene scene;               // in the observations' coordinates
   std::vector<model::Rung> ladder;  // the decisions on the way
   std::vector<double> rms_history;  // of the residual on the sample, on the way
+  // Candidate's, of the lights that were kept.
+  double least_kept = std::numeric_limits<double>::infinity();
 };
 
 // On a sample of the pixels: from the guess, or from the map's clusters and what else leads

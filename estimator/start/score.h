@@ -27,6 +27,9 @@ inline constexpr double kSecondLobePrice = 1.0;  // two parameters that can stan
 // What must fall so many times for a part alone to be worth its price.
 constexpr double RatioFor(double price) { return 1.0 + price; }
 
+// What a light is worth, in its price, without which the excess variance is so many times as large.
+constexpr double WorthOfRatio(double ratio) { return (ratio - 1.0) / kLightPrice; }
+
 // Of all parts beside Lambert's diffuse part, Phong's lobe and ambient light. What the user chose
 // is in all that are compared, and cancels.
 double PriceOf(const model::Scene& scene);

@@ -99,7 +99,7 @@ TiltResponse TiltNormals(const observe::Observations& pixels, const model::Scene
   }
   out.information.setZero();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
+    if (pixels.pixel[i] == observe::Observations::kNoPixel || pixels.IsAtWhite(i)) continue;
     for (std::size_t c = 0; c < slopes[0].size(); ++c) {
       const Eigen::Vector3d by(static_cast<double>(slopes[0][c][i]),
                                static_cast<double>(slopes[1][c][i]),
@@ -158,7 +158,7 @@ double NormalVariance(const observe::Observations& pixels, const solve::Predicti
   std::vector<double> squares;
   double mean = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
+    if (pixels.pixel[i] == observe::Observations::kNoPixel || pixels.IsAtWhite(i)) continue;
     double square = 0.0, grey = 0.0;
     for (std::size_t c = 0; c < model.size(); ++c) {
       const double r =

@@ -89,6 +89,7 @@ double Texture(const observe::Observations& all, const solve::Prediction& model,
     if (all.pixel[i] == observe::Observations::kNoPixel || all.pixel[j] != all.pixel[i] + kApart)
       continue;
     if (usable && ((*usable)[i] == 0 || (*usable)[j] == 0)) continue;
+    if (all.IsAtWhite(i) || all.IsAtWhite(j)) continue;
     for (std::size_t c = 0; c < model.size(); ++c) {
       const auto residual = [&](std::size_t k) {
         return static_cast<double>(all.radiance[c][k]) - static_cast<double>(model[c][k]);

@@ -22,10 +22,14 @@ ScoreProbe::ScoreProbe(const observe::Observations& pixels, const model::Scene& 
   gradient_ = solve::Evaluate(pixels, scene, squares_).gradient;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (pixels.pixel[i] == observe::Observations::kNoPixel) continue;
-    double square = 0.0;
-    for (std::size_t c = 0; c < model_.size(); ++c)
-      square += std::pow(
-          static_cast<double>(model_[c][i]) - static_cast<double>(pixels.radiance[c][i]), 2);
+    double square = 0.0, above = 0.0;
+    for (std::size_t c = 0; c < model_.size(); ++c) {
+      const double more =
+          static_cast<double>(model_[c][i]) - static_cast<double>(pixels.radiance[c][i]);
+      square += more * more;
+      above += more;
+    }
+    if (pixels.IsAtWhite(i) && above > 0.0) continue;
     const double rms = pixels.WeightOf(i) * std::sqrt(square / static_cast<double>(model_.size()));
     const bool far = options.huber > 0.0 && rms > options.huber;
     weight_[i] = far ? static_cast<float>(options.huber / rms) : 1.0f;

@@ -239,7 +239,10 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
                     BudgetOf(items, total, reported.undetermined, order.size()),
                     FactorSigmas(solution, order, covariance),
                     ForecastOf(solution, parameters, covariance, reported, parts.stat,
-                               total - parts.stat, order.size())};
+                               total - parts.stat, order.size()),
+                    parts.count};
+  out.count.split_light = static_cast<std::size_t>(
+      std::find(order.begin(), order.end(), parts.count.split_light) - order.begin());
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;

@@ -53,6 +53,15 @@ struct BudgetItem {
   Uncertainty sigma;
 };
 
+// What the pictures say for more lights, by score tests (score_test.h), in sigmas of what noise and
+// residuals that go together leave; 0 where nothing speaks for it.
+struct CountEvidence {
+  double further = 0.0;                                          // that there is one more
+  Eigen::Vector3d further_direction = Eigen::Vector3d::UnitZ();  // in W, one of a few
+  double split = 0.0;  // that a light is two, or an extended one
+  std::size_t split_light = 0;
+};
+
 // sigma_total^2 = sigma_stat^2 + sigma_model^2.
 struct Uncertainties {
   Uncertainty total, stat;
@@ -65,6 +74,7 @@ struct Uncertainties {
   // lights that are constant.
   std::vector<std::vector<double>> factors;
   DirectionForecast forecast;  // lights in the order of the others
+  CountEvidence count;
 };
 
 // Statistical: the larger of s^2 H^-1 with H = J^T J, s^2 = sum r^2 / (values - parameters), and

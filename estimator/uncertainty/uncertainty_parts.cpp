@@ -89,11 +89,14 @@ void AddIfSignificant(const BudgetWords& words, const AdjustedScore& score, cons
 }
 
 // The same of a number that was searched for, and cannot be negative: all of it, if it is there,
-// times `margin`.
-void AddSearched(const AdjustedScore& score, double margin, const Linearised& fit, Parts& out) {
-  if (score.slope < 0.0 && score.Statistic(fit.Variance()) > kSearchedSigmas * kSearchedSigmas)
+// times `margin`. Gives the test's sigmas.
+double AddSearched(const AdjustedScore& score, double margin, const Linearised& fit, Parts& out) {
+  if (!(score.slope < 0.0)) return 0.0;
+  const double sigmas = std::sqrt(score.Statistic(fit.Variance()));
+  if (sigmas > kSearchedSigmas)
     out.Add(LightsWords(),
             margin * score.slope / score.curvature * (fit.jacobian * score.regression));
+  return sigmas;
 }
 
 // What letting in what the pictures ask for would change.
@@ -121,12 +124,20 @@ void AddUnmodelled(const Unmodelled& unmodelled, const Linearised& fit, Parts& o
   }
   if (const auto score = adjusted(unmodelled.aperture, kIdentifiable))
     AddIfSignificant(PixelsWords(), *score, fit, out);
-  for (const Score& extent : unmodelled.extents)
-    if (const auto score = adjusted(extent, kIdentifiable)) AddSearched(*score, 1.0, fit, out);
+  for (std::size_t k = 0; k < unmodelled.extents.size(); ++k) {
+    const auto score = adjusted(unmodelled.extents[k], kIdentifiable);
+    if (!score) continue;
+    const double sigmas = AddSearched(*score, 1.0, fit, out);
+    if (sigmas <= out.count.split) continue;
+    out.count.split = sigmas;
+    out.count.split_light = k / 3;
+  }
   out.Add(PixelsWords(), fit.jacobian * information.Solve(unmodelled.falloff(unknowns)));
   if (!unmodelled.light) return;
-  if (const auto score = adjusted(*unmodelled.light, kIdentifiable))
-    AddSearched(*score, kCoarseDirection, fit, out);
+  if (const auto score = adjusted(*unmodelled.light, kIdentifiable)) {
+    out.count.further = AddSearched(*score, kCoarseDirection, fit, out);
+    out.count.further_direction = unmodelled.light_direction;
+  }
 }
 
 // Normals that are wrong each by itself widen the highlight as a rougher material would: the

@@ -12,6 +12,7 @@
 #include "estimator/uncertainty/budget.h"
 #include "estimator/uncertainty/covariance.h"
 #include "estimator/uncertainty/residual_splits.h"
+#include "estimator/uncertainty/uncertainty.h"
 
 namespace turnlight::estimator::uncertainty {
 
@@ -33,6 +34,7 @@ struct Parts {
   Eigen::MatrixXd stat, model;
   std::vector<Part> items;        // what model is the sum of
   std::vector<std::string> weak;  // what the model left out and the data do not decide
+  CountEvidence count;            // split_light: as the solution numbers them
 
   // A shift of all reported quantities counts as one sigma of that item.
   void Add(const BudgetWords& words, const Eigen::VectorXd& shift);

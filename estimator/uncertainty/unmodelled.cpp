@@ -60,6 +60,7 @@ void AddLight(const observe::Observations& pixels, const model::Scene& scene,
       observe::EvenSubsample(pixels, kSearchPixels, 4, nullptr, scene.flickers()), scene);
   if (!light) return;
   model::Scene alone = model::WithoutFactors(model::WithoutAmbient(scene));
+  out.light_direction = light->direction;
   alone.lights = {*light};
   alone.lights.front().intensity = 1.0;
   options.shadows = solve::CastShadows(pixels, alone);

@@ -26,6 +26,7 @@ struct Unmodelled {
   // The intensity, at least 0, of one more light: of those of many directions the one that would
   // lower the cost the most. None if none would.
   std::optional<Score> light;
+  Eigen::Vector3d light_direction = Eigen::Vector3d::UnitZ();
   // By how much the gradient changes when a near light's falloff and the shading with it are
   // averaged over the pixels instead of taken at their centres.
   Eigen::VectorXd falloff;

@@ -33,7 +33,8 @@ Estimate Unremarkable() {
 TEST(Notes, NoneWhereThereIsNothingToSay) {
   Estimate estimate = Unremarkable();
   AddNotes(estimate);
-  AddCountNote(0.01, 0.8, estimate);
+  AddCountNotes(0.01, 0.8, 1.3, estimate);
+  AddUnexplainedNote(0.01, estimate);
   AddOutliersNote({.on_target = 1000, .outliers = 5}, estimate);
   EXPECT_THAT(CodesOf(estimate), IsEmpty());
 }
@@ -63,22 +64,41 @@ TEST(Notes, NoConvergenceSaysWhy) {
   }
 }
 
-TEST(Notes, TheCountIsUncertainForThreeReasons) {
-  const auto texts = [](Estimate estimate, double noise, double brightest) {
-    AddCountNote(noise, brightest, estimate);
+TEST(Notes, TheCountIsUncertainForFiveReasons) {
+  const auto texts = [](Estimate estimate, double noise = 0.01, double least_kept = 1.3) {
+    AddCountNotes(noise, 1.0, least_kept, estimate);
     std::string all;
     for (const Note& note : estimate.notes) all += note.code + ": " + note.text + "\n";
     return all;
   };
-  EXPECT_THAT(texts(Unremarkable(), 0.16, 1.0), HasSubstr("16 % of the brightest radiance"));
+  EXPECT_THAT(texts(Unremarkable(), 0.16), HasSubstr("16 % of the brightest radiance"));
+  EXPECT_THAT(texts(Unremarkable(), 0.01, 1.29),
+              HasSubstr("count-uncertain: The evidence for a light that was kept is 1.3 times"));
   Estimate few = Unremarkable();
-  few.pixels = 999;
-  EXPECT_THAT(texts(few, 0.01, 1.0), HasSubstr("Only 999 pixels are usable"));
+  few.pixels = 300;
+  few.count.further = few.count.split = 5.0;
+  EXPECT_EQ(texts(few), "");
+  few.pixels = 299;
+  EXPECT_THAT(texts(few), HasSubstr("Only 299 pixels are usable"));
+  Estimate further = Unremarkable();
+  further.count.further = 20.4;
+  further.count.further_direction = {0.6, -0.8, 0.0};
+  EXPECT_THAT(texts(further), HasSubstr("count-uncertain: One more light, from about (+0.6, -0.8, "
+                                        "+0.0), would explain something of what is left, by 20"));
+  Estimate split = Unremarkable();
+  split.count.split = 7.1;
+  split.count.split_light = 1;
+  EXPECT_THAT(texts(split), HasSubstr("count-uncertain: Light 2 may be two close together"));
+}
+
+TEST(Notes, WhatIsLeftBeyondNoiseIsSaidAndNoReasonToDoubtTheCount) {
   Estimate unexplained = Unremarkable();
   unexplained.rms = 0.031;
-  const std::string text = texts(unexplained, 0.01, 1.0);
-  EXPECT_THAT(text, HasSubstr("count-uncertain: The model leaves 0.031 rms"));
-  EXPECT_THAT(text, HasSubstr("3.1 times their noise"));
+  AddCountNotes(0.01, 1.0, 1.3, unexplained);
+  AddUnexplainedNote(0.01, unexplained);
+  ASSERT_THAT(CodesOf(unexplained), ElementsAre("unexplained"));
+  EXPECT_THAT(unexplained.notes[0].text, HasSubstr("The model leaves 0.031 rms"));
+  EXPECT_THAT(unexplained.notes[0].text, HasSubstr("3.1 times their noise"));
 }
 
 TEST(Notes, APhotographsCountIsUncertainForTwoReasons) {

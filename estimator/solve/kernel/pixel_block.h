@@ -46,9 +46,9 @@ TURNLIGHT_INLINE Block<Real> LoadBlock(const KernelModel& model, const KernelPix
   if (pixels.weight) block.weight *= LoadFloats(pixels.weight + at, Real{});
   block.one_sided = pixels.at_white != nullptr;
   for (int i = 0; block.one_sided && i < kLanes; ++i)
-    block.at_white[i] =
-        (pixels.at_white[at + static_cast<std::size_t>(i)] >> model.channel_bit & 1) != 0 ? Real(1)
-                                                                                          : Real(0);
+    block.at_white[i] = (pixels.at_white[at + static_cast<std::size_t>(i)] & model.white_bits) != 0
+                            ? Real(1)
+                            : Real(0);
   block.lit = pixels.lit;
   block.at = at;
   if (samples > 1) {

@@ -55,7 +55,7 @@ struct KernelModel {
   int harmonics_row, shading_row;
   double huber;        // 0: squares
   bool weighted;       // the pixels have weights
-  int channel_bit;     // of the pixels' at_white
+  int white_bits;      // of the pixels' at_white: any of them makes the residual one-sided
   bool gradient_only;  // leave out the sums of products of rows
   // Gauss-Legendre nodes on [-1/2, 1/2] and weights (sum 1) for each number of samples per side.
   double node[kMaxSamples + 1][kMaxSamples];

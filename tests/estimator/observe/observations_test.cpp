@@ -120,6 +120,44 @@ TEST(Observations, PartsBuiltAloneAreTheWhole) {
   EXPECT_LT(worst, 1e-6);
 }
 
+// A pixel clipped in green, and its neighbours: filling until they are taken, and then what they
+// would have been without clipping. Parts remember them.
+TEST(Observations, WhatWasHeldBackIsThereWhenItIsTaken) {
+  Built built(FloatPictures(2));
+  const Observations plain = BuildObservations(built.keyframes, built.geometry, built.rays);
+  const cv::Mat1b& mask = built.keyframes[1].mask;
+  built.keyframes[1].image.saturated(mask.rows / 2, mask.cols / 2) = 2;
+  const Observations before = BuildObservations(built.keyframes, built.geometry, built.rays);
+  ASSERT_EQ(before.held_back.size(), 9u);
+  EXPECT_EQ(before.used + 9, plain.used);
+  Observations all = before;
+  TakeHeldBack(all);
+  EXPECT_EQ(all.pixel, plain.pixel);
+  EXPECT_EQ(all.normal, plain.normal);
+  EXPECT_EQ(all.used, plain.used);
+  int at_white = 0;
+  for (const HeldBack& held : all.held_back) {
+    const auto place = [&](const Observations& of) {
+      return Eigen::Vector3d(of.reference + of.radius * At(of.position, held.at));
+    };
+    EXPECT_LT((place(all) - place(plain)).norm(), 1e-5 * all.radius);
+    const bool middle = static_cast<int>(held.pixel) == mask.rows / 2 * mask.cols + mask.cols / 2;
+    EXPECT_EQ(all.at_white[held.at], middle ? 2 : kBesideWhite);
+    EXPECT_EQ(all.IsAtWhite(held.at), middle);
+    at_white += middle ? 1 : 0;
+  }
+  EXPECT_EQ(at_white, 1);
+  HoldBack(all);
+  EXPECT_EQ(all.pixel, before.pixel);
+  EXPECT_EQ(all.used, before.used);
+  EXPECT_FALSE(all.IsAtWhite(all.held_back[4].at));
+  Observations joined = Concatenate({BuildPart(built.keyframes[0], built.geometry, built.rays),
+                                     BuildPart(built.keyframes[1], built.geometry, built.rays)});
+  EXPECT_EQ(joined.pixel, before.pixel);
+  TakeHeldBack(joined);
+  EXPECT_EQ(joined.pixel, plain.pixel);
+}
+
 // One keyframe's part put into the frame of all is that keyframe in all: with and without weights,
 // and with radiances far from white.
 TEST(Observations, APartInTheFrameOfAllIsItsKeyframe) {

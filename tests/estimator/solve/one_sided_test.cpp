@@ -24,7 +24,7 @@ TEST(OneSided, APixelAtWhiteIsJudgedByItsSumWhereChannelsAreTogether) {
   observe::Observations left_out = censored;
   std::size_t satisfied = 0;
   for (std::size_t i = 0; i < 700; i += 2) {
-    censored.at_white[i] = 7;
+    censored.at_white[i] = i % 4 == 0 ? 7 : 2;  // one is enough
     double above = 0.0;
     for (std::size_t c = 0; c < 3; ++c) above += model[c][i] - censored.radiance[c][i];
     if (above <= 0.0) continue;
