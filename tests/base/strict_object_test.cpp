@@ -272,7 +272,8 @@ TEST(ParseYaml, LinesInMessages) {
             "f.yaml:5: lights/1/power: -1, allowed is a finite number of at least 0");
   // A missing key is reported at the line of its object.
   lights[0].Number("none");
-  EXPECT_EQ(lights[0].Finish().error().text, "f.yaml:4: lights/0/none: this key is missing");
+  EXPECT_EQ(lights[0].Finish().error().text,
+            "f.yaml:4: lights/0/none: this key is missing, allowed is a finite number");
   EXPECT_EQ(object.Finish().error().text.substr(0, 14), "f.yaml:2: name");
   // A key with keys below it is reported at its own line.
   const Document nested = Yaml("a: 1\nlihgts:\n  power: 1\n");

@@ -88,7 +88,7 @@ TEST(Radiometry, AClippedChannelHasItsBit) {
   image.at<cv::Vec3w>(0, 1)[2] = 1000;
   const auto linear = Linearise(image, Make(Encoding::kLinear, 0, 1000), {});
   EXPECT_EQ(linear.saturated(0, 0), 0);
-  EXPECT_EQ(linear.saturated(0, 4), 1);
+  EXPECT_EQ(linear.saturated(0, 1), 4);
 }
 
 TEST(Radiometry, NotFiniteIsFlaggedAndHarmless) {
