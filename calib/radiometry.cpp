@@ -51,13 +51,13 @@ void LineariseIntegers(const cv::Mat& image, const Radiometry& radiometry, doubl
     float* radiance = out.radiance.ptr<float>(row);
     std::uint8_t* saturated = out.saturated.ptr<std::uint8_t>(row);
     for (int x = 0; x < image.cols; ++x) {
-      int clipped = 0;
+      bool clipped = false;
       for (int c = 0; c < channels; ++c) {
         const T dn = in[x * channels + c];
         radiance[x * channels + c] = tables[static_cast<std::size_t>(c)][dn];
-        clipped |= (static_cast<double>(dn) >= saturation ? 1 : 0) << c;
+        clipped |= static_cast<double>(dn) >= saturation;
       }
-      saturated[x] = static_cast<std::uint8_t>(clipped);
+      saturated[x] = clipped ? 255 : 0;
     }
   });
 }
@@ -75,21 +75,19 @@ void LineariseFloats(const cv::Mat& image, const Radiometry& radiometry, double 
     float* radiance = out.radiance.ptr<float>(row);
     std::uint8_t* saturated = out.saturated.ptr<std::uint8_t>(row);
     for (int x = 0; x < image.cols; ++x) {
-      int clipped = 0;
+      bool clipped = false;
       for (int c = 0; c < channels; ++c) {
         const double dn = in[x * channels + c];
         const auto value = static_cast<float>(RadianceOfDn(dn, radiometry, transfer, factor) /
                                               WhiteBalance(radiometry, channels, c));
         const bool usable = std::isfinite(dn) && std::isfinite(value);
         radiance[x * channels + c] = usable ? value : 0.0f;
-        clipped |= (!usable || dn >= saturation ? 1 : 0) << c;
+        clipped |= !usable || dn >= saturation;
       }
-      saturated[x] = static_cast<std::uint8_t>(clipped);
+      saturated[x] = clipped ? 255 : 0;
     }
   });
 }
-
-constexpr std::uint8_t kAllChannels = 7;
 
 void RemoveVignetting(const Vignetting& vignetting, LinearImage& image) {
   const int channels = image.radiance.channels();
@@ -98,7 +96,7 @@ void RemoveVignetting(const Vignetting& vignetting, LinearImage& image) {
     float* radiance = image.radiance.ptr<float>(row);
     for (int x = 0; x < image.radiance.cols; ++x) {
       const double share = vignetting.ShareAt(x, row);
-      if (share == 0.0) image.saturated(row, x) = kAllChannels;
+      if (share == 0.0) image.saturated(row, x) = 255;
       for (int c = 0; share != 0.0 && c < channels; ++c)
         radiance[x * channels + c] = static_cast<float>(radiance[x * channels + c] / share);
       if (share != 0.0 && !image.variance.empty())

@@ -69,8 +69,8 @@ double ExposureFactor(const Radiometry& radiometry, const Exposure& exposure);
 // A picture in linear radiance. Colour is in the order R, G, B.
 struct LinearImage {
   cv::Mat radiance;  // CV_32FC1 or CV_32FC3, h x w
-  // Bit c where channel c's DN >= saturation (or is not finite), all where the vignetting is not
-  // known.
+  // 255 where any channel's DN >= saturation (or is not finite) or the vignetting is not known,
+  // else 0.
   cv::Mat1b saturated;
   // Of a value's noise, in radiance squared, the mean over the channels. Of the mean of the 24
   // pixels around it: with its own value, those that noise made dark would count for more. Empty

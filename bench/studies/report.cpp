@@ -219,6 +219,32 @@ std::string StabilityPage(const StudyFile& file, const Json& reasons) {
   return text + (cells.empty() ? "" : "\n## Reasons\n\n" + cells);
 }
 
+// Of each study in the page, after the photographs and the random scenes: its name, a title, and
+// what it is.
+constexpr std::array<std::array<const char*, 3>, 7> kSections = {
+    {{"eight", "Eight lights",
+      "Three lights around the zenith and five lower down, over a ball and over a lump with "
+      "hollows."},
+     {"shifted", "The target a ten-thousandth of its radius elsewhere",
+      "The random scenes, nothing of which may hang on that."},
+     {"hard", "Is a wrong number of lights said to be uncertain?",
+      "Random scenes made hard on purpose, each in one of six ways (`bench/studies/studies.h`). "
+      "What is judged is the note `count-uncertain`."},
+     {"lights", "Coloured lights, lights that change, light fields",
+      "Scenes of their own (`bench/studies/light_study.cpp`), some of each kind without what is "
+      "looked for."},
+     {"handstart", "Started by hand",
+      "The random scenes, each light's direction given 10 to 70 degrees off."},
+     {"coverage", "Do the intervals hold the truth?",
+      "20 draws of noise each; in brackets the band that holds 99 % of the binomial "
+      "distribution. The error of a direction is taken along the worst axis of its stated "
+      "covariance (of a distant light, of the other draws' errors). `_open`: sigma_total is more "
+      "than ten times sigma_stat, for what the scene leaves open (a board under one light may be "
+      "rough): its error is the same in every draw, which noise cannot test; "
+      "`_distant`: the truth is at the bound 0."},
+     {"sessions", "Pictures that other programs made, and photographs",
+      "They are not part of the repository."}}};
+
 }  // namespace
 
 Status WriteReport(const std::filesystem::path& results, const std::filesystem::path& docs) {
@@ -239,30 +265,7 @@ Status WriteReport(const std::filesystem::path& results, const std::filesystem::
     if (!section) return Forward(section);
     text += *section;
   }
-  const std::array<std::array<const char*, 3>, 7> sections = {
-      {{"eight", "Eight lights",
-        "Three lights around the zenith and five lower down, over a ball and over a lump with "
-        "hollows."},
-       {"shifted", "The target a ten-thousandth of its radius elsewhere",
-        "The random scenes, nothing of which may hang on that."},
-       {"hard", "Is a wrong number of lights said to be uncertain?",
-        "Random scenes made hard on purpose, each in one of six ways (`bench/studies/studies.h`). "
-        "What is judged is the note `count-uncertain`."},
-       {"lights", "Coloured lights, lights that change, light fields",
-        "Scenes of their own (`bench/studies/light_study.cpp`), some of each kind without what is "
-        "looked for."},
-       {"handstart", "Started by hand",
-        "The random scenes, each light's direction given 10 to 70 degrees off."},
-       {"coverage", "Do the intervals hold the truth?",
-        "20 draws of noise each; in brackets the band that holds 99 % of the binomial "
-        "distribution. The error of a direction is taken along the worst axis of its stated "
-        "covariance (of a distant light, of the other draws' errors). `_open`: sigma_total is more "
-        "than ten times sigma_stat, for what the scene leaves open (a board under one light may be "
-        "rough): its error is the same in every draw, which noise cannot test; "
-        "`_distant`: the truth is at the bound 0."},
-       {"sessions", "Pictures that other programs made, and photographs",
-        "They are not part of the repository."}}};
-  for (const auto& [name, title, what] : sections)
+  for (const auto& [name, title, what] : kSections)
     if (const auto file = read(name)) text += Section(*file, title, what);
   if (const Status status = WriteFileAtomic(docs / "accuracy.md", text); !status) return status;
   const auto extremes = read("extremes");

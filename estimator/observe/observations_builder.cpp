@@ -96,9 +96,8 @@ void ObservationsBuilder::Append(const model::Keyframe& keyframe, const cv::Mat1
       Put(keyframe, rows[r][i], at[r] + i);
       if (marks != nullptr) out_.at_white[at[r] + i] = marks->data[pixel];
       if ((flags(pixel / flags.cols, pixel % flags.cols) & kHeldBack) == 0) continue;
-      const int channels = keyframe.image.saturated(pixel / flags.cols, pixel % flags.cols);
-      held_back_[at[r] + i] =
-          channels != 0 ? static_cast<std::uint8_t>(channels & kAtWhite) : kBesideWhite;
+      const bool clipped = keyframe.image.saturated(pixel / flags.cols, pixel % flags.cols) != 0;
+      held_back_[at[r] + i] = clipped ? kAtWhite : kBesideWhite;
     }
   });
 }

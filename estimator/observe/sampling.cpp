@@ -71,6 +71,19 @@ Observations Picked(const Observations& all, std::vector<std::size_t> picked, bo
   return out;
 }
 
+// Of each pixel the place that it would have if nothing were held back: what is held back changes
+// nothing of which others are picked.
+std::vector<std::uint32_t> PlacesWithoutHeldBack(const Observations& all) {
+  std::vector<std::uint32_t> place(all.size(), 0);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k + 1 < all.tile_begin.size(); ++k) {
+    for (std::size_t i = all.tile_begin[k] * kTile; i < all.tile_begin[k + 1] * kTile; ++i)
+      if (all.pixel[i] != Observations::kNoPixel) place[i] = static_cast<std::uint32_t>(next++);
+    next = (next + kTile - 1) / kTile * kTile;
+  }
+  return place;
+}
+
 std::vector<std::size_t> PickEvenly(const Observations& all, std::size_t count, std::uint64_t seed,
                                     const std::vector<std::uint8_t>* usable) {
   const auto used = [&](std::size_t i) {
@@ -79,9 +92,11 @@ std::vector<std::size_t> PickEvenly(const Observations& all, std::size_t count, 
   std::size_t total = 0;
   for (std::size_t i = 0; i < all.size(); ++i) total += used(i) ? 1 : 0;
   const RandomStream random(seed, 0);
+  const std::vector<std::uint32_t> place = PlacesWithoutHeldBack(all);
   std::vector<std::size_t> picked;
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (used(i) && random.Uniform(i) * static_cast<double>(total) < static_cast<double>(count))
+    if (used(i) &&
+        random.Uniform(place[i]) * static_cast<double>(total) < static_cast<double>(count))
       picked.push_back(i);
   return picked;
 }
@@ -101,10 +116,11 @@ Observations Subsample(const Observations& all, std::size_t count, std::uint64_t
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all.pixel[i] != Observations::kNoPixel) total += weight(i);
   const RandomStream random(seed, 0);
+  const std::vector<std::uint32_t> place = PlacesWithoutHeldBack(all);
   std::vector<std::size_t> picked;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all.pixel[i] != Observations::kNoPixel &&
-        random.Uniform(i) * total < weight(i) * static_cast<double>(count))
+        random.Uniform(place[i]) * total < weight(i) * static_cast<double>(count))
       picked.push_back(i);
   return Picked(all, picked, by_keyframe);
 }

@@ -17,8 +17,8 @@ namespace {
 constexpr double kAsOthers = 3.0;
 
 struct Beside {
-  std::size_t pixels = 0;
-  double sigma = 0.0;  // of the residual, from its median
+  std::size_t pixels = 0, at_white = 0;  // beside those
+  double sigma = 0.0;                    // of the residual beside them, from its median
 };
 
 Beside LeftBeside(const observe::Observations& all, const Refined& fit) {
@@ -30,7 +30,10 @@ Beside LeftBeside(const observe::Observations& all, const Refined& fit) {
   std::vector<float> left;
   Beside out;
   for (const observe::HeldBack& held : all.held_back) {
-    if (held.at_white != observe::kBesideWhite) continue;
+    if (held.at_white != observe::kBesideWhite) {
+      ++out.at_white;
+      continue;
+    }
     if (options.shadows.usable && (*options.shadows.usable)[held.at] == 0) continue;
     ++out.pixels;
     for (std::size_t c = 0; c < model.size(); ++c)
@@ -55,7 +58,7 @@ void ChooseClipped(double noise, observe::Observations& all, Refined& out,
        Format(
            "%zu pixels at white and %zu beside them, of which %.3g is left; they are taken up to "
            "%.0f times the %.3g of all others, those at white as this or more",
-           all.held_back.size() - beside.pixels, beside.pixels, beside.sigma, kAsOthers, others)});
+           beside.at_white, beside.pixels, beside.sigma, kAsOthers, others)});
   if (!taken) {
     observe::HoldBack(all);
     return;

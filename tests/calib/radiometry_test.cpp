@@ -77,18 +77,18 @@ TEST(Radiometry, SaturationIsTestedOnDn) {
   radiometry.reference_exposure_us = 1.0;
   cv::Mat image = (cv::Mat_<std::uint8_t>(1, 4) << 0, 199, 200, 255);
   const auto by_white = Linearise(image, radiometry, {100.0, 0.0}).saturated;
-  EXPECT_EQ(cv::countNonZero(by_white != (cv::Mat_<std::uint8_t>(1, 4) << 0, 0, 1, 1)), 0);
+  EXPECT_EQ(cv::countNonZero(by_white != (cv::Mat_<std::uint8_t>(1, 4) << 0, 0, 255, 255)), 0);
   radiometry.saturation = 250.0;
   const auto by_own = Linearise(image, radiometry, {100.0, 0.0}).saturated;
-  EXPECT_EQ(cv::countNonZero(by_own != (cv::Mat_<std::uint8_t>(1, 4) << 0, 0, 0, 1)), 0);
+  EXPECT_EQ(cv::countNonZero(by_own != (cv::Mat_<std::uint8_t>(1, 4) << 0, 0, 0, 255)), 0);
 }
 
-TEST(Radiometry, AClippedChannelHasItsBit) {
+TEST(Radiometry, OneClippedChannelFlagsThePixel) {
   cv::Mat image(1, 2, CV_16UC3, cv::Scalar(5, 6, 7));
   image.at<cv::Vec3w>(0, 1)[2] = 1000;
   const auto linear = Linearise(image, Make(Encoding::kLinear, 0, 1000), {});
   EXPECT_EQ(linear.saturated(0, 0), 0);
-  EXPECT_EQ(linear.saturated(0, 1), 4);
+  EXPECT_EQ(linear.saturated(0, 1), 255);
 }
 
 TEST(Radiometry, NotFiniteIsFlaggedAndHarmless) {
@@ -98,7 +98,7 @@ TEST(Radiometry, NotFiniteIsFlaggedAndHarmless) {
     // The gain makes even the largest finite float overflow.
     const auto linear = Linearise(image, Make(Encoding::kLinear, 0, 1), {{}, -40.0});
     EXPECT_EQ(linear.saturated(0, 0), 0);
-    EXPECT_EQ(linear.saturated(0, 1), 1) << bad;
+    EXPECT_EQ(linear.saturated(0, 1), 255) << bad;
     EXPECT_TRUE(cv::checkRange(linear.radiance)) << bad;
     EXPECT_FLOAT_EQ(linear.radiance.at<cv::Vec3f>(0, 1)[1], 25.0f);
   }
@@ -161,7 +161,7 @@ TEST(Radiometry, VignettingIsTakenOutAndPutIn) {
   EXPECT_NEAR(linear.radiance.at<float>(0, 2), whole / (1.0 - 0.2 / 4 - 0.04 / 16), 1e-7);
   EXPECT_NEAR(linear.radiance.at<float>(0, 3), whole / 0.76, 1e-7);
   EXPECT_EQ(linear.saturated(0, 3), 0);
-  EXPECT_EQ(linear.saturated(0, 4), 7) << "beyond what was measured";
+  EXPECT_EQ(linear.saturated(0, 4), 255) << "beyond what was measured";
   const cv::Mat back = Encode(linear.radiance, radiometry, {}, CV_32F);
   EXPECT_LT(cv::norm(back.colRange(0, 4), image.colRange(0, 4), cv::NORM_INF), 1e-6);
 }

@@ -120,13 +120,13 @@ TEST(Observations, PartsBuiltAloneAreTheWhole) {
   EXPECT_LT(worst, 1e-6);
 }
 
-// A pixel clipped in green, and its neighbours: filling until they are taken, and then what they
+// A clipped pixel, and its neighbours: filling until they are taken, and then what they
 // would have been without clipping. Parts remember them.
 TEST(Observations, WhatWasHeldBackIsThereWhenItIsTaken) {
   Built built(FloatPictures(2));
   const Observations plain = BuildObservations(built.keyframes, built.geometry, built.rays);
   const cv::Mat1b& mask = built.keyframes[1].mask;
-  built.keyframes[1].image.saturated(mask.rows / 2, mask.cols / 2) = 2;
+  built.keyframes[1].image.saturated(mask.rows / 2, mask.cols / 2) = 255;
   const Observations before = BuildObservations(built.keyframes, built.geometry, built.rays);
   ASSERT_EQ(before.held_back.size(), 9u);
   EXPECT_EQ(before.used + 9, plain.used);
@@ -142,7 +142,7 @@ TEST(Observations, WhatWasHeldBackIsThereWhenItIsTaken) {
     };
     EXPECT_LT((place(all) - place(plain)).norm(), 1e-5 * all.radius);
     const bool middle = static_cast<int>(held.pixel) == mask.rows / 2 * mask.cols + mask.cols / 2;
-    EXPECT_EQ(all.at_white[held.at], middle ? 2 : kBesideWhite);
+    EXPECT_EQ(all.at_white[held.at], middle ? kAtWhite : kBesideWhite);
     EXPECT_EQ(all.IsAtWhite(held.at), middle);
     at_white += middle ? 1 : 0;
   }
