@@ -41,13 +41,28 @@ void KeepKnowable(estimator::model::Scene& scene, std::size_t found) {
   scene.lights = merged;
 }
 
-// A result without a number where one must be.
+// Whether a note says that the data do not determine a key of the result.
+bool IsSaidToBeUnknown(const Json& result, const std::string& key) {
+  for (const Json& note : result["notes"])
+    if (note["code"] == "not-determined" &&
+        note["text"].get<std::string>().find(key) != std::string::npos)
+      return true;
+  return false;
+}
+
+// A result without a number where one must be, and no word of why.
 bool HasNan(const Json& result) {
-  for (const Json& light : result["lights"])
+  const auto lacks = [&](const Json& value, const std::string& key) {
+    const bool null = value.is_null() || (value.is_array() && value[0].is_null());
+    return null && !IsSaidToBeUnknown(result, key);
+  };
+  for (std::size_t l = 0; l < result["lights"].size(); ++l)
     for (const char* key : {"direction", "inverse_distance", "intensity"})
-      if (light[key].is_null() || (light[key].is_array() && light[key][0].is_null())) return true;
-  return result["residual"]["rms"].is_null() || result["reflectance"]["diffuse"].is_null() ||
-         result["reflectance"]["ambient"].is_null();
+      if (lacks(result["lights"][l][key], Format("lights/%zu/%s", l, key))) return true;
+  const Json& reflectance = result["reflectance"];
+  return result["residual"]["rms"].is_null() ||
+         lacks(reflectance["diffuse"], "reflectance/diffuse") ||
+         lacks(reflectance["ambient"], "reflectance/ambient");
 }
 
 Json EstimateCell(const ExtremeCell& cell) {
