@@ -20,8 +20,7 @@ void AddNotes(Estimate& out);
 // Code "count-uncertain": noise (sigma of a value) may hide a light, few pixels may not show one,
 // score tests call for one more or for two in the place of one (out.count), or a light is hardly
 // worth its price (least_kept: in that). brightest: the 99.9 % quantile of the radiance. What the
-// model leaves as such is no reason: in the study of scenes made hard counts are right with it as
-// often as without.
+// model leaves as such is no reason: it is there beside right counts, too.
 void AddCountNotes(double noise, double brightest, double least_kept, Estimate& out);
 
 // Code "unexplained": the residual is more than noise.

@@ -61,8 +61,8 @@ struct Observations {
   double reference_variance = 0.0, floor_variance = 0.0;
   // Of each pixel, bit c: its radiance in channel c is at white, so that it was this or more; the
   // residual there is one-sided in the normal equations, where channels are together as soon as one
-  // of them is; bit 6: it is beside one at white; bit 7:
-  // it is in a highlight (photograph.h). Empty: no pixel's is.
+  // of them is. Bit 6: it is beside one at white. Bit 7: it is in a highlight (photograph.h).
+  // Empty: no pixel has any.
   bool one_sided = false;
   std::vector<std::uint8_t> at_white;
   std::vector<float> tile_footprint;  // per tile: the largest change of w across a pixel, rad

@@ -54,7 +54,7 @@ double ShininessError(const Estimate& estimate) {
   return std::abs(estimate.reflectance.lobes[0].shape / kShininess - 1.0);
 }
 
-// A tenth of what is at white once more, in the pixels beside it.
+// The pixels beside those at white get 0.3 of white for the share of these around them.
 void Bloom(std::vector<model::Keyframe>& keyframes) {
   for (model::Keyframe& keyframe : keyframes) {
     cv::Mat1f spilt;
