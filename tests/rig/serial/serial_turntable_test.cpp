@@ -82,7 +82,11 @@ TEST_F(SerialTurntableTest, OpensHomesAndMoves) {
   ASSERT_EQ(Await(*table)->motion, TableMotion::kIdle);
   for (const double angle_deg : {10.0, 360.0, 1234.5}) {
     ASSERT_TRUE(table->MoveTo(angle_deg, Now()));
-    EXPECT_EQ(table->State(Now())->motion, TableMotion::kMoving);  // not the Idle of before
+    // Never the Idle of before. This controller jumps: on a busy machine it has arrived already.
+    const auto begun = table->State(Now());
+    ASSERT_TRUE(begun);
+    EXPECT_TRUE(begun->motion == TableMotion::kMoving || begun->angle_deg == angle_deg)
+        << begun->angle_deg;
     const auto there = Await(*table);
     ASSERT_TRUE(there);
     EXPECT_EQ(there->motion, TableMotion::kIdle);
