@@ -31,9 +31,9 @@ ObservationsBuilder::ObservationsBuilder(const target::Geometry& geometry,
   out_.radius = geometry.radius();
   out_.channels = 1;
   out_.weighted = keyframes > 0;
+  out_.width = rays.width();
   if (!geometry.CanShadowItself()) return;
   out_.caster = &geometry;
-  out_.width = rays.width();
 }
 
 template <typename Body>

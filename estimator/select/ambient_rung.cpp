@@ -78,6 +78,10 @@ bool CallFor(const observe::Observations& observations, const solve::Solution& s
   return true;
 }
 
+bool IsOneView(const observe::Observations& observations) {
+  return observations.tile_begin.size() == 2;
+}
+
 // Of the harmonic that is clearest from 0.
 double MostSigmas(const model::Reflectance& found, const uncertainty::Uncertainty& sigma) {
   double most = 0.0;
@@ -91,8 +95,9 @@ double MostSigmas(const model::Reflectance& found, const uncertainty::Uncertaint
 
 bool IsOfHarmonics(const model::Rung& rung) { return rung.rung == kUneven; }
 
-void ChooseHarmonics(const observe::Observations& observations, const model::ModelChoice& choice,
-                     Refined& out, std::vector<model::Rung>& ladder) {
+void ChooseHarmonics(const observe::Observations& observations, double noise,
+                     const model::ModelChoice& choice, Refined& out,
+                     std::vector<model::Rung>& ladder) {
   if (choice.harmonics) {
     ladder.push_back({kUneven, *choice.harmonics, "as asked for"});
     return;
@@ -103,6 +108,15 @@ void ChooseHarmonics(const observe::Observations& observations, const model::Mod
   uneven.solution.scene.free_harmonics = true;
   if (!fitted) SolveOn(observations, uneven);
   if (StopRequested(out.options.stop)) return;
+  if (!fitted && IsOneView(observations) &&
+      Rms(observations, uneven.solution) > kBeyondNoise * noise) {
+    ladder.push_back({kUneven, false,
+                      Format("with ambient light that depends on the normal the residual rms is "
+                             "%.3g, more than noise: in a single view that can as well be what "
+                             "the surface's model lacks",
+                             Rms(observations, uneven.solution))});
+    return;
+  }
   uneven.splits = uncertainty::SplitResiduals(observations, uneven.solution);
   const auto order = uncertainty::StrengthOrder(uneven.solution.scene, observations);
   const uncertainty::Uncertainty sigma =

@@ -323,7 +323,7 @@ Refined Refine(const observe::Observations& observations, const model::Scene& st
   if (StopRequested(stop)) return out;
   ChooseFresnel(observations, out, ladder);
   if (StopRequested(stop)) return out;
-  ChooseHarmonics(observations, choice, out, ladder);
+  ChooseHarmonics(observations, noise, choice, out, ladder);
   if (StopRequested(stop)) return out;
   ChooseDistances(observations, choice, out, ladder);
   return out;

@@ -18,6 +18,7 @@ float Grey(const solve::Prediction& model, std::size_t i) {
 }
 
 constexpr std::size_t kPlaces = 32;    // from the target's top to its bottom
+constexpr std::uint32_t kBlocks = 8;   // squares along a single view's target, and across it
 constexpr double kNearEdge = 4.0;      // half footprints
 constexpr double kHardlyRough = 1e-3;  // radians
 
@@ -30,6 +31,54 @@ Eigen::VectorXd OfViews(const observe::Observations& all, const Eigen::MatrixXd&
       for (std::size_t t = all.tile_begin[k]; t < all.tile_begin[k + 1]; ++t)
         sum += tiles.col(static_cast<Eigen::Index>(t));
   return sum;
+}
+
+// Of each pixel that is used, in which of kBlocks equal parts of the used pixels' extent it lies,
+// by column or by row; kBlocks of the others.
+std::vector<std::uint8_t> PartsOfExtent(const observe::Observations& all,
+                                        const solve::PixelMask& usable, bool by_column) {
+  const auto width = static_cast<std::uint32_t>(all.width);
+  const auto used = [&](std::size_t i) {
+    return all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0);
+  };
+  const auto at = [&](std::size_t i) {
+    return by_column ? all.pixel[i] % width : all.pixel[i] / width;
+  };
+  std::uint32_t first = observe::Observations::kNoPixel, last = 0;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i)) first = std::min(first, at(i)), last = std::max(last, at(i));
+  std::vector<std::uint8_t> out(all.size(), static_cast<std::uint8_t>(kBlocks));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (used(i)) out[i] = static_cast<std::uint8_t>((at(i) - first) * kBlocks / (last - first + 1));
+  return out;
+}
+
+// The gradients of the squares of a grid over the target in a single view. A tile, a few rows
+// high, belongs to the row of squares where its first pixel is.
+Eigen::MatrixXd OfBlocks(const observe::Observations& all, const solve::Solution& solution) {
+  const solve::PixelMask& usable = solution.evaluate.shadows.usable;
+  const std::vector<std::uint8_t> column = PartsOfExtent(all, usable, true),
+                                  row = PartsOfExtent(all, usable, false);
+  Eigen::MatrixXd out =
+      Eigen::MatrixXd::Zero(solution.equations.gradient.size(), kBlocks * kBlocks);
+  for (std::uint32_t strip = 0; strip < kBlocks; ++strip) {
+    auto mask = std::make_shared<std::vector<std::uint8_t>>(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) (*mask)[i] = column[i] == strip ? 1 : 0;
+    solve::EvaluateOptions options = solution.evaluate;
+    options.shadows.usable = mask;
+    const Eigen::MatrixXd tiles = solve::TileGradients(all, solution.scene, options);
+    for (std::size_t t = 0; t < all.tiles(); ++t)
+      for (std::size_t i = t * observe::kTile; i < (t + 1) * observe::kTile; ++i)
+        if ((*mask)[i] != 0) {
+          out.col(strip * kBlocks + row[i]) += tiles.col(static_cast<Eigen::Index>(t));
+          break;
+        }
+  }
+  // Squares beside the target are no clusters.
+  std::vector<Eigen::Index> seen;
+  for (Eigen::Index k = 0; k < out.cols(); ++k)
+    if (!out.col(k).isZero(0.0)) seen.push_back(k);
+  return out(Eigen::all, seen);
 }
 
 // The gradient of the observations whose value is below the median over all that are used.
@@ -128,6 +177,7 @@ ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Sol
             tiles.col(static_cast<Eigen::Index>(begin + t));
     }
   }
+  if (views == 1 && solution.evaluate.huber > 0.0) out.blocks = OfBlocks(all, solution);
   if (views > 1) {
     out.halves.push_back(OfViews(all, tiles, [](std::size_t k) { return k % 2 == 0; }));
   }

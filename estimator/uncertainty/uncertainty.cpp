@@ -241,8 +241,6 @@ Uncertainties EstimateUncertainty(const solve::Solution& solution,
                     ForecastOf(solution, parameters, covariance, reported, parts.stat,
                                total - parts.stat, order.size()),
                     parts.count};
-  out.count.split_light = static_cast<std::size_t>(
-      std::find(order.begin(), order.end(), parts.count.split_light) - order.begin());
   for (Uncertainty* uncertainty : {&out.total, &out.stat}) {
     uncertainty->condition = covariance.condition;
     uncertainty->weak = covariance.weak;

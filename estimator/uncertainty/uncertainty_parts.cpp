@@ -5,6 +5,7 @@
 
 #include "estimator/model/tangent_basis.h"
 #include "estimator/solve/unit_diagonal.h"
+#include "estimator/uncertainty/clusters.h"
 #include "estimator/uncertainty/quantities.h"
 
 namespace turnlight::estimator::uncertainty {
@@ -15,8 +16,6 @@ constexpr double kOneNumberSigmas = 3.0;  // of one number
 constexpr double kSearchedSigmas = 4.0;   // of the best of many
 constexpr double kAllNumbersSigmas =
     4.0;  // of all numbers of a split together, about chi squared's mean
-// A variance that is larger by this counts, from however few clusters it was estimated.
-constexpr double kMostChanceInflation = 4.0;
 // Halves share some of the model's errors, which their difference does not show.
 constexpr double kErrorsInCommon = 2.0;
 // The direction of a light that was searched for is one of a few, 14 degrees apart.
@@ -31,19 +30,8 @@ constexpr double kCommonRoughness = 0.5;        // radians
 constexpr double kScatterMargin = 4.0;
 constexpr double kMostWidening = 0.95;  // of a lobe's variance, by scattered normals
 
-// The fit, linearised: what makes changes of the reported quantities of gradients.
-struct Linearised {
-  const Covariance& covariance;
-  const Eigen::MatrixXd& jacobian;  // of the reported quantities by the unknowns
-  Eigen::MatrixXd inverse;          // H^-1 of the unknowns
-  // Variance inflation: by how much the sums of residuals vary more than those of white noise.
-  double variance_inflation = 1.0;
-
-  double Variance() const { return covariance.variance * variance_inflation; }
-};
-
-// Half the difference of two halves, as far as it is more than noise.
-void AddHalf(const Eigen::VectorXd& gradient, const Linearised& fit, Parts& out) {
+// Half the difference of two halves, as far as it is more than noise, times `margin`.
+void AddHalf(const Eigen::VectorXd& gradient, double margin, const Linearised& fit, Parts& out) {
   const double count = static_cast<double>(gradient.size());
   const double chi = gradient.dot(fit.inverse * gradient) / (fit.Variance());
   const double expected = count + kAllNumbersSigmas * std::sqrt(2.0 * count);
@@ -52,10 +40,19 @@ void AddHalf(const Eigen::VectorXd& gradient, const Linearised& fit, Parts& out)
   for (Eigen::Index q = 0; q < shift.size(); ++q) {
     const double noise = kOneNumberSigmas * kOneNumberSigmas * out.stat(q, q);
     const double square = shift[q] * shift[q];
-    shift[q] *=
-        kErrorsInCommon * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
+    shift[q] *= margin * std::sqrt(std::max(all, square > noise ? 1.0 - noise / square : 0.0));
   }
   out.Add(HalvesWords(), shift);
+}
+
+// Where squares tell already what goes together, halves are so many looks at one thing: their mean
+// counts, not their sum.
+void AddHalves(const std::vector<Eigen::VectorXd>& halves, const Eigen::VectorXd& whole,
+               const Linearised& fit, Parts& out) {
+  const double looks = fit.unexplained_view ? static_cast<double>(halves.size()) : 1.0;
+  for (const Eigen::VectorXd& half : halves)
+    AddHalf(2.0 * half(fit.covariance.unknowns) - whole, kErrorsInCommon / std::sqrt(looks), fit,
+            out);
 }
 
 // What leaving out the pixels near edges changes, as far as it is more than noise.
@@ -88,19 +85,44 @@ void AddIfSignificant(const BudgetWords& words, const AdjustedScore& score, cons
                      (fit.jacobian * score.regression));
 }
 
+// How far a number that cannot be negative is above 0.
+double SigmasAbove(const AdjustedScore& score, double variance) {
+  return score.slope < 0.0 ? std::sqrt(score.Statistic(variance)) : 0.0;
+}
+
 // The same of a number that was searched for, and cannot be negative: all of it, if it is there,
-// times `margin`. Gives the test's sigmas.
+// times `margin`. Gives the test's sigmas by tiles: the number of lights is said to be uncertain
+// rather too often.
 double AddSearched(const AdjustedScore& score, double margin, const Linearised& fit, Parts& out) {
-  if (!(score.slope < 0.0)) return 0.0;
-  const double sigmas = std::sqrt(score.Statistic(fit.Variance()));
-  if (sigmas > kSearchedSigmas)
+  if (SigmasAbove(score, fit.Variance()) > kSearchedSigmas)
     out.Add(LightsWords(),
             margin * score.slope / score.curvature * (fit.jacobian * score.regression));
-  return sigmas;
+  return SigmasAbove(score, fit.covariance.variance * fit.tile_inflation);
+}
+
+// What is told as one light may be two, apart by twice the square root of its extent: each is as
+// far from where the one is. Of extents along an axis, in the tangent plane of the light's
+// direction, the largest beyond one sigma counts.
+void AddSplit(const std::array<std::optional<AdjustedScore>, 3>& extents, Eigen::Index direction,
+              const Linearised& fit, Parts& out) {
+  double most = 0.0;
+  std::size_t axis = 0;
+  for (std::size_t k = 0; k < extents.size(); ++k) {
+    const double sigmas = extents[k] ? SigmasAbove(*extents[k], fit.Variance()) : 0.0;
+    if (!(sigmas > 1.0)) continue;
+    const double beyond =
+        (1.0 - 1.0 / (sigmas * sigmas)) * -extents[k]->slope / extents[k]->curvature;
+    if (beyond > most) most = beyond, axis = k;
+  }
+  const double angle = ExtentAxis(axis);
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(out.stat.rows());
+  shift.segment<2>(direction) = std::sqrt(most) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  out.Add(LightsWords(), shift);
 }
 
 // What letting in what the pictures ask for would change.
-void AddUnmodelled(const Unmodelled& unmodelled, const Linearised& fit, Parts& out) {
+void AddUnmodelled(const Unmodelled& unmodelled, const std::vector<std::size_t>& order,
+                   const Linearised& fit, Parts& out) {
   const std::vector<int>& unknowns = fit.covariance.unknowns;
   const solve::ScaledFactor information(unmodelled.as_modelled.hessian(unknowns, unknowns));
   if (!information.Good()) return;
@@ -124,13 +146,17 @@ void AddUnmodelled(const Unmodelled& unmodelled, const Linearised& fit, Parts& o
   }
   if (const auto score = adjusted(unmodelled.aperture, kIdentifiable))
     AddIfSignificant(PixelsWords(), *score, fit, out);
-  for (std::size_t k = 0; k < unmodelled.extents.size(); ++k) {
-    const auto score = adjusted(unmodelled.extents[k], kIdentifiable);
-    if (!score) continue;
-    const double sigmas = AddSearched(*score, 1.0, fit, out);
-    if (sigmas <= out.count.split) continue;
-    out.count.split = sigmas;
-    out.count.split_light = k / 3;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    std::array<std::optional<AdjustedScore>, 3> extents;
+    for (std::size_t axis = 0; axis < extents.size(); ++axis) {
+      extents[axis] = adjusted(unmodelled.extents[order[i]][axis], kIdentifiable);
+      if (!extents[axis]) continue;
+      const double sigmas = AddSearched(*extents[axis], 1.0, fit, out);
+      if (sigmas <= out.count.split) continue;
+      out.count.split = sigmas;
+      out.count.split_light = i;
+    }
+    if (fit.unexplained_view) AddSplit(extents, At(OfLight::kDirection, i), fit, out);
   }
   out.Add(PixelsWords(), fit.jacobian * information.Solve(unmodelled.falloff(unknowns)));
   if (!unmodelled.light) return;
@@ -223,25 +249,6 @@ void AddAlternatives(const solve::NormalEquations& equations, const model::Param
   }
 }
 
-// Where the residuals of neighbours go together by more than chance, variances are larger: the
-// clustered ("sandwich") estimate from the gradients of clusters, one in each column. Its own
-// variance, if the gradients are normal, is two thirds of the sum of their fourth powers, which for
-// a small highlight is that of the few clusters that see it.
-void AllowForClusters(const Eigen::MatrixXd& gradients, const Linearised& fit, Parts& out) {
-  const Eigen::MatrixXd carried = fit.jacobian * fit.inverse;
-  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(carried.rows()), fourths = squares;
-  for (Eigen::Index k = 0; k < gradients.cols(); ++k) {
-    const Eigen::ArrayXd square = (carried * gradients.col(k)).array().square();
-    squares += square;
-    fourths += square.square();
-  }
-  const Eigen::ArrayXd stat = out.stat.diagonal().array().max(1e-300);
-  const Eigen::ArrayXd chance =
-      (stat + kOneNumberSigmas * (2.0 / 3.0 * fourths).sqrt()).min(kMostChanceInflation * stat);
-  const Eigen::VectorXd more = (squares > chance).select((squares / stat).sqrt(), 1.0).matrix();
-  out.stat = more.asDiagonal() * out.stat * more.asDiagonal();
-}
-
 // Of lights in their reported order; of their directions alone.
 void AddPhotographErrors(const PhotographErrors& errors, const model::Scene& scene,
                          const std::vector<std::size_t>& order, Parts& out) {
@@ -299,27 +306,12 @@ Parts PartsOf(const solve::Solution& solution, const model::Parameters& paramete
     return out;
   }
   Linearised fit{covariance, jacobian, covariance.matrix / covariance.variance};
-  // As many as they are, they have one mean less to vary about.
-  const auto corrected = [&](const Eigen::MatrixXd& gradients) {
-    const double count = static_cast<double>(gradients.cols());
-    return Eigen::MatrixXd(gradients(unknowns, Eigen::all) *
-                           std::sqrt(count / std::max(count - 1.0, 1.0)));
-  };
-  const Eigen::MatrixXd clusters = std::sqrt(views_per_distinct) * corrected(splits.clusters);
-  AllowForClusters(clusters, fit, out);
-  // Views that repeat are together in a place already.
-  if (splits.places.cols() > 0) AllowForClusters(corrected(splits.places), fit, out);
-  const double count = static_cast<double>(unknowns.size());
-  fit.variance_inflation =
-      std::max((clusters.transpose() * fit.inverse).cwiseProduct(clusters.transpose()).sum() /
-                   (count * covariance.variance),
-               1.0);
+  AllowForClusters(splits, views_per_distinct, fit, out.stat);
 
-  const Eigen::VectorXd whole = solution.equations.gradient(unknowns);
-  for (const Eigen::VectorXd& half : splits.halves) AddHalf(2.0 * half(unknowns) - whole, fit, out);
+  AddHalves(splits.halves, solution.equations.gradient(unknowns), fit, out);
   AddEdges(solution.equations, splits.edges, fit, out);
   out.Add(PixelsWords(), jacobian * (fit.inverse * splits.finer(unknowns)));
-  AddUnmodelled(splits.unmodelled, fit, out);
+  AddUnmodelled(splits.unmodelled, order, fit, out);
   AddScatter(splits.unmodelled.normal_variance, solution.scene.reflectance, parameters, fit, out);
   AddTexture(splits.texture, reported.values, solution.scene.lights.size(), out);
   if (reported.tilt_shift.size() > 0) out.Add(NormalsWords(), reported.tilt_shift);

@@ -34,7 +34,7 @@ struct Parts {
   Eigen::MatrixXd stat, model;
   std::vector<Part> items;        // what model is the sum of
   std::vector<std::string> weak;  // what the model left out and the data do not decide
-  CountEvidence count;            // split_light: as the solution numbers them
+  CountEvidence count;
 
   // A shift of all reported quantities counts as one sigma of that item.
   void Add(const BudgetWords& words, const Eigen::VectorXd& shift);

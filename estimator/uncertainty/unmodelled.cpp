@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "estimator/model/tangent_basis.h"
 #include "estimator/observe/observation_access.h"
@@ -32,8 +31,9 @@ void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
   for (std::size_t l = 0; l < scene.lights.size(); ++l) {
     const model::Light& whole = scene.lights[l];
     const Eigen::Matrix<double, 3, 2> basis = model::TangentBasis(whole.direction);
-    for (int k = 0; k < 3; ++k) {
-      const double angle = k * std::numbers::pi / 3.0;
+    std::array<Score, 3>& extents = out.extents.emplace_back();
+    for (std::size_t axis = 0; axis < extents.size(); ++axis) {
+      const double angle = ExtentAxis(axis);
       const Eigen::Vector3d apart =
           step * (basis.col(0) * std::cos(angle) + basis.col(1) * std::sin(angle));
       // Two of half its intensity, to both sides.
@@ -49,7 +49,7 @@ void AddExtents(const observe::Observations& pixels, const model::Scene& scene,
         if (!masks->empty()) masks->push_back(solve::PixelMask((*masks)[l]));
       solve::Prediction change = solve::Predict(pixels, split, both);
       AddTimes(-1.0, probe.model(), change);
-      out.extents.push_back(probe.Of(change, 1.0 / (step * step)));
+      extents[axis] = probe.Of(change, 1.0 / (step * step));
     }
   }
 }

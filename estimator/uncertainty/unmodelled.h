@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,11 @@
 
 namespace turnlight::estimator::uncertainty {
 
+// The angle of an axis, radians, in the tangent plane of a light's direction (TangentBasis).
+inline double ExtentAxis(std::size_t axis) {
+  return static_cast<double>(axis) * std::numbers::pi / 3.0;
+}
+
 struct Unmodelled {
   solve::NormalEquations as_modelled;  // of the same pixels
   std::array<Score, 3> tilts;          // of all normals, together
@@ -20,9 +26,9 @@ struct Unmodelled {
   // residual: then it is too large for derivatives.
   std::optional<model::Scene> tilted_scene;
   Score aperture;  // of the pixels, as a share of EvaluateOptions::aperture
-  // Three for each light: it is no point, or two lights are taken for one. Its variance (radians^2)
-  // along an axis across its direction; at least 0.
-  std::vector<Score> extents;
+  // Of each light: it is no point, or two lights are taken for one. Its variance (radians^2) along
+  // each of three axes across its direction (ExtentAxis); at least 0.
+  std::vector<std::array<Score, 3>> extents;
   // The intensity, at least 0, of one more light: of those of many directions the one that would
   // lower the cost the most. None if none would.
   std::optional<Score> light;

@@ -52,6 +52,7 @@ struct RandomObservations {
     const std::size_t size = (count + observe::kTile - 1) / observe::kTile * observe::kTile;
     out.Resize(size);
     out.tile_begin = {0, size / observe::kTile};
+    out.width = static_cast<int>(observe::kTile);
     out.used = count;
     std::uint64_t draw = 0;
     for (std::size_t i = 0; i < count; ++i) {

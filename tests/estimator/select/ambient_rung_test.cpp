@@ -1,7 +1,8 @@
 // Proves, on a scene's own radiances with noise: ambient light of a distant light field is found to
 // depend on the normal, its harmonics within 3 sigma; constant ambient light is constant in at
-// least 19 of 20; what the user chose is not decided. Does not prove that lights are told from a
-// light field where only matte surfaces see both.
+// least 19 of 20; what the user chose is not decided; one view that is not explained does not call
+// for them. Does not prove that lights are told from a light field where only matte surfaces see
+// both.
 #include "estimator/select/ambient_rung.h"
 
 #include <gtest/gtest.h>
@@ -72,6 +73,17 @@ TEST(ChooseHarmonics, ConstantAmbientLightIsConstant) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed)
     uneven += Selected(NoisyPicture(TwoLights(), seed), TwoLights()).uneven ? 1 : 0;
   EXPECT_LE(uneven, 1);
+}
+
+// Of a surface that no model explains, as far as the sensor's noise is known: one view may owe to
+// the surface what several owe to the light.
+TEST(ChooseHarmonics, AloneAViewMustBeExplained) {
+  const model::Scene truth = InALightField(1, 0.05);
+  observe::Observations all = NoisyPicture(truth, 1);
+  AddNoise(5.0 * kNoise, 2, all);
+  EXPECT_FALSE(Selected(all, TwoLights()).uneven);
+  all.tile_begin = {0, all.tiles() / 2, all.tiles()};
+  EXPECT_TRUE(Selected(all, TwoLights()).uneven);
 }
 
 TEST(ChooseHarmonics, WhatIsAskedForIsDone) {

@@ -92,6 +92,38 @@ TEST(EstimateUncertainty, BudgetOfHalvesThatDisagree) {
   EXPECT_GT(halves, 0.04);
 }
 
+// One view of two lights that are told as one, 0.2 rad from where each is, with more than noise
+// left: the one is as far from either. Where there is one light, it is where it is.
+TEST(EstimateUncertainty, ALightThatMayBeTwo) {
+  constexpr double kApart = 0.2;
+  const auto sigma_of = [](double apart) {
+    model::Scene one;
+    one.reflectance.lobes[0].model = model::SpecularModel::kNone;
+    one.lights = {TwoLights().lights[0]};
+    one.lights[0].inverse_distance = 0.0;
+    model::Scene two = one;
+    two.lights.push_back(one.lights[0]);
+    const Eigen::Vector3d axis = one.lights[0].direction.unitOrthogonal();
+    for (const std::size_t l : {0u, 1u}) {
+      two.lights[l].intensity *= 0.5;
+      two.lights[l].direction =
+          (one.lights[0].direction + (l == 0 ? apart : -apart) * axis).normalized();
+    }
+    observe::Observations all = RandomObservations(16000, 1, 1, &two).observations;
+    AddNoise(0.005, 1, all);
+    solve::SolveOptions options;
+    options.evaluate.huber = 0.02;
+    options.fixed_distance = {true};
+    const solve::Solution solution = solve::Solve(all, one, options);
+    return EstimateUncertainty(solution, all, {0}, 1.0, SplitResiduals(all, solution))
+        .total.lights[0]
+        .direction;
+  };
+  EXPECT_GT(sigma_of(kApart), 0.5 * kApart);
+  EXPECT_LT(sigma_of(kApart), 1.7 * kApart);
+  EXPECT_LT(sigma_of(0.0), 0.01 * kApart);
+}
+
 // A calibration that would move the gradient as a change of all values by 0.01 does: so much it
 // adds.
 TEST(EstimateUncertainty, CalibrationIsAnItemOfTheTotal) {

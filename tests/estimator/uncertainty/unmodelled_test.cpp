@@ -34,8 +34,8 @@ TEST(Unmodelled, ALightOfSomeExtentHasItsVariance) {
   solution.scene = scene;
   solution.held.assign(static_cast<std::size_t>(PlainParameters(3, 2).count()), false);
   const Unmodelled unmodelled = TryUnmodelled(random.observations, solution);
-  ASSERT_EQ(unmodelled.extents.size(), 6u);
-  const Score& extent = unmodelled.extents[0];
+  ASSERT_EQ(unmodelled.extents.size(), 2u);
+  const Score& extent = unmodelled.extents[0][0];
   // To first order: the lobe's fourth derivative is a tenth of it here.
   EXPECT_NEAR(-extent.slope / extent.curvature, kApart * kApart, 0.15 * kApart * kApart);
 }
