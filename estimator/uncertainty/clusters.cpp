@@ -57,8 +57,8 @@ void AllowForClusters(const ResidualSplits& splits, double views_per_distinct, L
   fit.unexplained_view = splits.blocks.cols() > 0;
   if (!fit.unexplained_view) return;
   // Of few and large clusters the unknowns have taken a good part of what goes together.
-  const Eigen::MatrixXd blocks = Corrected(splits.blocks, fit.covariance,
-                                           static_cast<double>(fit.covariance.unknowns.size()));
+  const Eigen::MatrixXd blocks =
+      Corrected(splits.blocks, fit.covariance, static_cast<double>(fit.covariance.unknowns.size()));
   Allow(blocks, fit, stat);
   fit.variance_inflation = std::max(fit.variance_inflation, Inflation(blocks, fit));
 }
