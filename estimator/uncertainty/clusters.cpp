@@ -54,13 +54,13 @@ void AllowForClusters(const ResidualSplits& splits, double views_per_distinct, L
   if (splits.places.cols() > 0) Allow(Corrected(splits.places, fit.covariance, 1.0), fit, stat);
   fit.tile_inflation = std::max(Inflation(tiles, fit), 1.0);
   fit.variance_inflation = fit.tile_inflation;
-  fit.unexplained_view = splits.blocks.cols() > 0;
+  fit.unexplained_view = splits.squares.cols() > 0;
   if (!fit.unexplained_view) return;
   // Of few and large clusters the unknowns have taken a good part of what goes together.
-  const Eigen::MatrixXd blocks =
-      Corrected(splits.blocks, fit.covariance, static_cast<double>(fit.covariance.unknowns.size()));
-  Allow(blocks, fit, stat);
-  fit.variance_inflation = std::max(fit.variance_inflation, Inflation(blocks, fit));
+  const Eigen::MatrixXd squares = Corrected(splits.squares, fit.covariance,
+                                            static_cast<double>(fit.covariance.unknowns.size()));
+  Allow(squares, fit, stat);
+  fit.variance_inflation = std::max(fit.variance_inflation, Inflation(squares, fit));
 }
 
 }  // namespace turnlight::estimator::uncertainty

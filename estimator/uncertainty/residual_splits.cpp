@@ -18,7 +18,7 @@ float Grey(const solve::Prediction& model, std::size_t i) {
 }
 
 constexpr std::size_t kPlaces = 32;    // from the target's top to its bottom
-constexpr std::uint32_t kBlocks = 8;   // squares along a single view's target, and across it
+constexpr std::uint32_t kSquares = 8;  // squares along a single view's target, and across it
 constexpr double kNearEdge = 4.0;      // half footprints
 constexpr double kHardlyRough = 1e-3;  // radians
 
@@ -33,35 +33,38 @@ Eigen::VectorXd OfViews(const observe::Observations& all, const Eigen::MatrixXd&
   return sum;
 }
 
-// Of each pixel that is used, in which of kBlocks equal parts of the used pixels' extent it lies,
-// by column or by row; kBlocks of the others.
+bool IsUsed(const observe::Observations& all, const solve::PixelMask& usable, std::size_t i) {
+  return all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0);
+}
+
+// Of each pixel that is used, in which of kSquares equal parts of the used pixels' extent it lies,
+// by column or by row; kSquares of the others.
 std::vector<std::uint8_t> PartsOfExtent(const observe::Observations& all,
                                         const solve::PixelMask& usable, bool by_column) {
   const auto width = static_cast<std::uint32_t>(all.width);
-  const auto used = [&](std::size_t i) {
-    return all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0);
-  };
+  const auto used = [&](std::size_t i) { return IsUsed(all, usable, i); };
   const auto at = [&](std::size_t i) {
     return by_column ? all.pixel[i] % width : all.pixel[i] / width;
   };
   std::uint32_t first = observe::Observations::kNoPixel, last = 0;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (used(i)) first = std::min(first, at(i)), last = std::max(last, at(i));
-  std::vector<std::uint8_t> out(all.size(), static_cast<std::uint8_t>(kBlocks));
+  std::vector<std::uint8_t> out(all.size(), static_cast<std::uint8_t>(kSquares));
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (used(i)) out[i] = static_cast<std::uint8_t>((at(i) - first) * kBlocks / (last - first + 1));
+    if (used(i))
+      out[i] = static_cast<std::uint8_t>((at(i) - first) * kSquares / (last - first + 1));
   return out;
 }
 
 // The gradients of the squares of a grid over the target in a single view. A tile, a few rows
 // high, belongs to the row of squares where its first pixel is.
-Eigen::MatrixXd OfBlocks(const observe::Observations& all, const solve::Solution& solution) {
+Eigen::MatrixXd OfSquares(const observe::Observations& all, const solve::Solution& solution) {
   const solve::PixelMask& usable = solution.evaluate.shadows.usable;
   const std::vector<std::uint8_t> column = PartsOfExtent(all, usable, true),
                                   row = PartsOfExtent(all, usable, false);
   Eigen::MatrixXd out =
-      Eigen::MatrixXd::Zero(solution.equations.gradient.size(), kBlocks * kBlocks);
-  for (std::uint32_t strip = 0; strip < kBlocks; ++strip) {
+      Eigen::MatrixXd::Zero(solution.equations.gradient.size(), kSquares * kSquares);
+  for (std::uint32_t strip = 0; strip < kSquares; ++strip) {
     auto mask = std::make_shared<std::vector<std::uint8_t>>(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) (*mask)[i] = column[i] == strip ? 1 : 0;
     solve::EvaluateOptions options = solution.evaluate;
@@ -70,7 +73,7 @@ Eigen::MatrixXd OfBlocks(const observe::Observations& all, const solve::Solution
     for (std::size_t t = 0; t < all.tiles(); ++t)
       for (std::size_t i = t * observe::kTile; i < (t + 1) * observe::kTile; ++i)
         if ((*mask)[i] != 0) {
-          out.col(strip * kBlocks + row[i]) += tiles.col(static_cast<Eigen::Index>(t));
+          out.col(strip * kSquares + row[i]) += tiles.col(static_cast<Eigen::Index>(t));
           break;
         }
   }
@@ -85,9 +88,7 @@ Eigen::MatrixXd OfBlocks(const observe::Observations& all, const solve::Solution
 Eigen::VectorXd GradientOfLower(const observe::Observations& all, const solve::Solution& solution,
                                 const std::function<float(std::size_t)>& value) {
   const solve::PixelMask& usable = solution.evaluate.shadows.usable;
-  const auto used = [&](std::size_t i) {
-    return all.pixel[i] != observe::Observations::kNoPixel && (!usable || (*usable)[i] != 0);
-  };
+  const auto used = [&](std::size_t i) { return IsUsed(all, usable, i); };
   std::vector<float> values;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (used(i)) values.push_back(value(i));
@@ -177,7 +178,7 @@ ResidualSplits SplitResiduals(const observe::Observations& all, const solve::Sol
             tiles.col(static_cast<Eigen::Index>(begin + t));
     }
   }
-  if (views == 1 && solution.evaluate.huber > 0.0) out.blocks = OfBlocks(all, solution);
+  if (views == 1 && solution.evaluate.huber > 0.0) out.squares = OfSquares(all, solution);
   if (views > 1) {
     out.halves.push_back(OfViews(all, tiles, [](std::size_t k) { return k % 2 == 0; }));
   }

@@ -23,7 +23,7 @@ struct ResidualSplits {
   Eigen::MatrixXd places;
   // The same of squares of a grid over the target, in a single view that is not explained down to
   // noise: what a model lacks goes together over more than a tile. Else empty.
-  Eigen::MatrixXd blocks;
+  Eigen::MatrixXd squares;
   // The gradient of one half of the observations; of the other half it is the opposite. Halves: odd
   // and even views, early and late views, centre and rim of the target, bright and dark, and by the
   // side to which the surface faces.
